@@ -1,0 +1,46 @@
+// The part of a surface that exists: { x : every bound(x) <= 0 }. Each bound is smooth, so that the
+// end of a curve at it can be located by Newton's method; a box is six of them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "geometry/linear.h"
+
+namespace caustic::geometry {
+
+/// One smooth function, at most 1-Lipschitz near its zero set, positive where nothing exists.
+///   half-space   n·(x − p)
+///   cylinder     (|y|² − r²)/(2r),  y = the part of x − p across the axis
+///   ball         (|x − p|² − r²)/(2r)
+struct Bound {
+  enum class Kind { half_space, cylinder, ball };
+  /// Where the bound comes from: the user's aperture, the end of the shape's own definition, or the
+  /// clip ball of an unbounded surface.
+  enum class Origin { aperture, shape, clip };
+
+  Kind kind;
+  Point point;
+  Direction axis;  ///< normal of the half-space, axis of the cylinder
+  double radius = 0.0;
+  Origin origin = Origin::aperture;
+
+  double value(const Point& x) const;
+  Vec3 gradient(const Point& x) const;
+  /// Smallest value that the function can have within `r` of a point where it is `value`.
+  double lower_bound_within(double value, double r) const;
+};
+
+/// Bounds of a user's aperture. Lengths in metres, world coordinates.
+std::vector<Bound> box_aperture(const Point& min, const Point& max);
+Bound cylinder_aperture(const Point& point, const Direction& axis, double radius);
+Bound half_space_aperture(const Point& point, const Direction& normal);
+Bound ball(const Point& center, double radius, Bound::Origin origin);
+
+/// True if every bound admits x, with `slack` metres to spare on the generous side.
+bool exists_at(const std::vector<Bound>& bounds, const Point& x, double slack = 0.0);
+
+/// World box outside of which the bounds admit nothing (infinite where they do not say).
+Box box_of(const std::vector<Bound>& bounds);
+
+}  // namespace caustic::geometry

@@ -1,0 +1,65 @@
+// Names for vectors, so that a signature tells a point from a direction from a normal.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <limits>
+
+namespace caustic::geometry {
+
+using Vec2 = Eigen::Vector2d;
+using Vec3 = Eigen::Vector3d;
+using Mat2 = Eigen::Matrix2d;
+using Mat3 = Eigen::Matrix3d;
+
+using Point = Vec3;      ///< a place, world coordinates, metres
+using Direction = Vec3;  ///< a unit vector unless said otherwise
+using Normal = Vec3;     ///< a unit vector across a surface
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+
+/// The half line (or line) x(τ) = origin + τ·direction. The direction need not be a unit vector.
+struct Ray {
+  Point origin;
+  Vec3 direction;
+
+  Point at(double t) const { return origin + t * direction; }
+};
+
+/// Two unit vectors that complete the unit vector n to a right-handed frame (e1, e2, n).
+/// Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6 (2017).
+struct Frame {
+  Direction e1, e2;
+
+  explicit Frame(const Direction& n) {
+    const double sign = std::copysign(1.0, n.z());
+    const double a = -1.0 / (sign + n.z());
+    const double b = n.x() * n.y() * a;
+    e1 = {1.0 + sign * n.x() * n.x() * a, sign * b, -sign * n.x()};
+    e2 = {b, sign + n.y() * n.y() * a, -n.y()};
+  }
+};
+
+/// Axis-aligned box; empty when min > max somewhere.
+struct Box {
+  Point min = Point::Constant(-kInfinity);
+  Point max = Point::Constant(kInfinity);
+
+  bool empty() const { return (min.array() > max.array()).any(); }
+  bool bounded() const { return min.allFinite() && max.allFinite(); }
+  bool contains(const Point& x) const {
+    return (x.array() >= min.array()).all() && (x.array() <= max.array()).all();
+  }
+  Point center() const { return 0.5 * (min + max); }
+  double diagonal() const { return (max - min).norm(); }
+  Box intersected(const Box& other) const {
+    return {min.cwiseMax(other.min), max.cwiseMin(other.max)};
+  }
+  static Box around(const Point& center, double radius) {
+    return {center.array() - radius, center.array() + radius};
+  }
+};
+
+}  // namespace caustic::geometry

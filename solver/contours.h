@@ -1,0 +1,116 @@
+// The main question and its answer: isolux curves and caustics of every family, sheet by sheet.
+// Everything SI; the service converts.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "geometry/linear.h"
+#include "solver/optical_system.h"
+
+namespace caustic::solver {
+
+using geometry::Point;
+using geometry::Vec2;
+using geometry::Vec3;
+
+/// Which levels: the given ones, or `count` between min and max. Where min or max is missing it is the
+/// 5th or 95th percentile, by receiver area, of E on a subdivision that depends on the scene alone.
+struct LevelRequest {
+  enum class Spacing { log, linear, one_two_five };
+  std::vector<double> values;  ///< W/m², > 0; if not empty nothing else counts
+  int count = 8;               ///< both ends included; one_two_five ignores it
+  Spacing spacing = Spacing::log;
+  std::optional<double> min, max;
+};
+
+struct ContourRequest {
+  /// Families by surface index; empty means every mirror by itself (one bounce).
+  std::vector<std::vector<int>> families;
+  LevelRequest levels;
+  bool isolux = true;
+  bool caustic = true;
+  double irradiance_tolerance = 1e-9;  ///< |E/level − 1| at every vertex
+  double chord_tolerance = 0.0;        ///< m on the receiver; 0 means 1e-4 × its larger side
+  double time_limit = 5.0;             ///< s
+  std::size_t vertex_limit = 500000;
+  int threads = 1;  ///< the result does not depend on it
+
+  /// Called now and then with the share done, 0…1, from the calling thread's pool.
+  std::function<void(double)> progress;
+  const std::atomic<bool>* cancelled = nullptr;
+  /// Stages to run although the plan would skip them (see `Skipped::stage`); for measuring.
+  std::set<std::string> no_skip;
+};
+
+enum class CurveKind : std::uint8_t { isolux = 0, caustic = 1 };
+
+enum class Ending : std::uint8_t {
+  silhouette, aperture, shadow, occlusion, receiver_edge, limit
+};
+
+struct CurveVertex {
+  Vec2 uv;             ///< receiver axes, m
+  Point p;             ///< on the receiver, world, m
+  Point x;             ///< first hit on the reflector, world, m
+  double irradiance;   ///< W/m²; −1 on caustics
+  double residual;     ///< |E/level − 1|; caustics: |a|/(|∇q1||∇q2|)
+  Vec3 gradient;       ///< ∇E in world axes, W/m³; 0 on caustics
+  double arc_length;   ///< from the first vertex, along the polyline on the receiver, m
+};
+
+struct Curve {
+  CurveKind kind = CurveKind::isolux;
+  double level = -1.0;  ///< W/m²; −1 for caustics
+  int family_id = 0;
+  int parity = 0;       ///< sign of a on finite levels; 0 on caustics
+  bool closed = false;  ///< closed curves do not repeat their first vertex here
+  std::vector<Ending> ends;  ///< two if open, none if closed
+  std::vector<CurveVertex> vertices;
+  double length = 0.0;  ///< of the polyline on the receiver, the closing segment included, m
+  double max_residual = 0.0;
+};
+
+struct FamilyReport {
+  int id;
+  std::vector<int> surfaces;
+  double flux;  ///< W that this family brings to the receiver
+};
+
+struct Skipped {
+  std::string stage, reason;
+};
+
+struct Warning {
+  std::string code, detail;
+};
+
+struct ContourResult {
+  bool complete = true;  ///< false if a limit cut the work short
+  std::vector<FamilyReport> families;
+  std::vector<double> levels;  ///< resolved, ascending
+  std::vector<Curve> curves;   ///< by kind, level, family, then smallest (u, v)
+  bool certified = false;
+  std::size_t undecided_cells = 0;
+  std::vector<Skipped> skipped;
+  std::uint64_t evaluations = 0;
+  double seconds = 0.0;
+  std::vector<Warning> warnings;
+};
+
+/// Every numerical outcome is a value: degenerate scenes answer with warnings, limits with
+/// `complete == false`. Never throws for what a valid system contains.
+ContourResult trace_contours(const OpticalSystem& system, const ContourRequest& request);
+
+/// Words of the contract (api.md) for the enumerations above.
+const char* to_string(CurveKind kind);
+const char* to_string(Ending ending);
+
+}  // namespace caustic::solver

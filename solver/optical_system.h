@@ -1,0 +1,50 @@
+// A light, surfaces and a receiver, ready for tracing. Everything SI; immutable after build().
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "geometry/aperture.h"
+#include "geometry/receiver_frame.h"
+#include "geometry/surface.h"
+#include "solver/light.h"
+
+namespace caustic::solver {
+
+struct Optics {
+  enum class Kind { mirror, absorb };
+  Kind kind = Kind::mirror;
+  double reflectance = 1.0;  ///< mirrors, in (0, 1]
+};
+
+struct SystemSurface {
+  std::string name;
+  geometry::SurfacePtr shape;
+  std::vector<geometry::Bound> bounds;  ///< the user's aperture; build() adds shape and clip bounds
+  Optics optics;
+  geometry::Box region{};  ///< set by build(): box of the part that exists
+};
+
+class OpticalSystem {
+ public:
+  /// Lengths in metres. Adds to each surface the bounds of its own shape and, where it is unbounded,
+  /// of the clip ball: 10³ × the diameter of {receiver, bounded surfaces, point light} (api.md).
+  static OpticalSystem build(Light light, std::vector<SystemSurface> surfaces,
+                             geometry::ReceiverFrame receiver);
+
+  const Light& light() const { return light_; }
+  const std::vector<SystemSurface>& surfaces() const { return surfaces_; }
+  const geometry::ReceiverFrame& receiver() const { return receiver_; }
+  /// Diameter of {receiver, bounded surfaces, point light}: the scale of the scene.
+  double diameter() const { return diameter_; }
+  const geometry::Point& center() const { return center_; }
+
+ private:
+  Light light_;
+  std::vector<SystemSurface> surfaces_;
+  geometry::ReceiverFrame receiver_;
+  geometry::Point center_;
+  double diameter_ = 0.0;
+};
+
+}  // namespace caustic::solver
