@@ -42,6 +42,14 @@ struct Frame {
   }
 };
 
+/// Columns e1, e2, axis: a right-handed frame about a unit vector.
+inline Mat3 axes_about(const Direction& axis) {
+  const Frame frame(axis);
+  Mat3 axes;
+  axes << frame.e1, frame.e2, axis;
+  return axes;
+}
+
 /// Axis-aligned box; empty when min > max somewhere.
 struct Box {
   Point min = Point::Constant(-kInfinity);

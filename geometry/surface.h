@@ -23,7 +23,7 @@ struct SurfaceDerivatives {
   Mat3 hessian;
 };
 
-/// Parameters along a ray, increasing.
+/// Parameters along a ray, increasing. A fixed capacity would do for every shape but aspheres.
 using RayParameters = std::vector<double>;
 
 class Surface {
@@ -44,16 +44,15 @@ class Surface {
   /// All τ in [t0, t1] where g along the ray is stationary: where two crossings meet or part.
   virtual void stationary(const Ray& ray, double t0, double t1, RayParameters& out) const = 0;
 
-  /// True if { g <= 0 } is convex: its outside never shadows itself, nor does light that
-  /// it reflects outwards meet it again.
-  virtual bool convex() const = 0;
+  /// True if { side·g <= 0 } is known to be convex (side = ±1): light on the other side is neither
+  /// shadowed by this surface nor meets it again after reflection.
+  virtual bool convex(int side) const = 0;
   /// World box of the whole surface, infinite where unbounded.
   virtual Box bounds() const = 0;
   /// Bounds that belong to the shape itself (the last radius of a conic).
   virtual std::vector<Bound> own_bounds() const { return {}; }
-  /// Charts that together cover the part of the surface inside `region` (bounded), graded about
-  /// `focus` where the surface is unbounded.
-  virtual std::vector<Chart> charts(const Box& region, const Point& focus) const = 0;
+  /// Charts that together cover the part of the surface inside `extent.region`.
+  virtual std::vector<Chart> charts(const Extent& extent) const = 0;
 };
 
 using SurfacePtr = std::shared_ptr<const Surface>;

@@ -1,0 +1,84 @@
+#include "geometry/aperture.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace caustic::geometry {
+
+namespace {
+
+// The part of x − p that a round bound measures: across the axis, or all of it.
+Vec3 radial(const Bound& b, const Point& x) {
+  const Vec3 y = x - b.point;
+  return b.kind == Bound::Kind::cylinder ? Vec3(y - b.axis * b.axis.dot(y)) : y;
+}
+
+}  // namespace
+
+double Bound::value(const Point& x) const {
+  if (kind == Kind::half_space) return axis.dot(x - point);
+  return 0.5 * (radial(*this, x).squaredNorm() / radius - radius);
+}
+
+Vec3 Bound::gradient(const Point& x) const {
+  if (kind == Kind::half_space) return axis;
+  return radial(*this, x) / radius;
+}
+
+double Bound::lower_bound_within(double value, double r) const {
+  if (kind == Kind::half_space) return value - r;
+  const double distance = std::sqrt(std::max(0.0, radius * (2.0 * value + radius)));
+  const double nearest = std::max(0.0, distance - r);
+  return 0.5 * (nearest * nearest / radius - radius);
+}
+
+std::vector<Bound> box_aperture(const Point& min, const Point& max) {
+  std::vector<Bound> bounds;
+  for (int i = 0; i < 3; ++i) {
+    bounds.push_back(half_space_aperture(max, Vec3::Unit(i)));
+    bounds.push_back(half_space_aperture(min, -Vec3::Unit(i)));
+  }
+  return bounds;
+}
+
+Bound cylinder_aperture(const Point& point, const Direction& axis, double radius) {
+  return {Bound::Kind::cylinder, point, axis, radius, Bound::Origin::aperture};
+}
+
+Bound half_space_aperture(const Point& point, const Direction& normal) {
+  return {Bound::Kind::half_space, point, normal, 0.0, Bound::Origin::aperture};
+}
+
+Bound ball(const Point& center, double radius, Bound::Origin origin) {
+  return {Bound::Kind::ball, center, Vec3::Zero(), radius, origin};
+}
+
+bool exists_at(const std::vector<Bound>& bounds, const Point& x, double slack) {
+  return std::all_of(bounds.begin(), bounds.end(),
+                     [&](const Bound& b) { return b.value(x) <= slack; });
+}
+
+Box box_of(const std::vector<Bound>& bounds) {
+  Box box;
+  for (const Bound& b : bounds) {
+    if (b.kind == Bound::Kind::ball) {
+      box = box.intersected(Box::around(b.point, b.radius));
+    } else if (b.kind == Bound::Kind::cylinder) {
+      // Along a world axis the cylinder reaches r·√(1 − a_i²), if its own axis is across it.
+      for (int i = 0; i < 3; ++i) {
+        if (b.axis[i] == 0.0) {
+          box.min[i] = std::max(box.min[i], b.point[i] - b.radius);
+          box.max[i] = std::min(box.max[i], b.point[i] + b.radius);
+        }
+      }
+    } else {
+      for (int i = 0; i < 3; ++i) {
+        if (b.axis[i] == 1.0) box.max[i] = std::min(box.max[i], b.point[i]);
+        if (b.axis[i] == -1.0) box.min[i] = std::max(box.min[i], b.point[i]);
+      }
+    }
+  }
+  return box;
+}
+
+}  // namespace caustic::geometry

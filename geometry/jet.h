@@ -1,0 +1,43 @@
+// Second-order jets in two directions: a value with its derivatives along s and t, up to second
+// order. Arithmetic on them is differentiation in closed form; six numbers a scalar.
+#pragma once
+
+#include <cmath>
+
+namespace caustic::geometry {
+
+struct Jet {
+  double v, s, t, ss, st, tt;
+};
+
+inline Jet operator+(const Jet& a, const Jet& b) {
+  return {a.v + b.v, a.s + b.s, a.t + b.t, a.ss + b.ss, a.st + b.st, a.tt + b.tt};
+}
+inline Jet operator-(const Jet& a, const Jet& b) {
+  return {a.v - b.v, a.s - b.s, a.t - b.t, a.ss - b.ss, a.st - b.st, a.tt - b.tt};
+}
+inline Jet operator*(double k, const Jet& a) {
+  return {k * a.v, k * a.s, k * a.t, k * a.ss, k * a.st, k * a.tt};
+}
+inline Jet operator*(const Jet& a, const Jet& b) {
+  return {a.v * b.v,
+          a.v * b.s + a.s * b.v,
+          a.v * b.t + a.t * b.v,
+          a.v * b.ss + 2.0 * a.s * b.s + a.ss * b.v,
+          a.v * b.st + a.s * b.t + a.t * b.s + a.st * b.v,
+          a.v * b.tt + 2.0 * a.t * b.t + a.tt * b.v};
+}
+/// Quotient from a = r b: r_s = (a_s − r b_s)/b, r_ss = (a_ss − 2 r_s b_s − r b_ss)/b, …
+inline Jet operator/(const Jet& a, const Jet& b) {
+  const double inverse = 1.0 / b.v;
+  Jet r;
+  r.v = a.v * inverse;
+  r.s = (a.s - r.v * b.s) * inverse;
+  r.t = (a.t - r.v * b.t) * inverse;
+  r.ss = (a.ss - 2.0 * r.s * b.s - r.v * b.ss) * inverse;
+  r.st = (a.st - r.s * b.t - r.t * b.s - r.v * b.st) * inverse;
+  r.tt = (a.tt - 2.0 * r.t * b.t - r.v * b.tt) * inverse;
+  return r;
+}
+
+}  // namespace caustic::geometry

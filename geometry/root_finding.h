@@ -1,0 +1,91 @@
+// Real roots on an interval: of polynomials, and of any function whose range can be bounded.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+namespace caustic::geometry {
+
+/// c[0] + c[1] t + … + c[degree] t^degree, degree ≤ 4.
+struct Polynomial {
+  std::array<double, 5> c{};
+  int degree = 0;
+
+  double operator()(double t) const {
+    double sum = c[degree];
+    for (int i = degree - 1; i >= 0; --i) sum = sum * t + c[i];
+    return sum;
+  }
+  Polynomial derivative() const {
+    Polynomial d;
+    d.degree = degree > 0 ? degree - 1 : 0;
+    for (int i = 1; i <= degree; ++i) d.c[i - 1] = i * c[i];
+    return d;
+  }
+};
+
+/// Root of f in [a, b] where f(a) and f(b) have opposite signs, to the last bits: Newton's method
+/// kept inside a shrinking bracket, halved when Newton would leave it or converges too slowly.
+template <class F, class DF>
+double bracketed_root(const F& f, const DF& df, double a, double b, double fa) {
+  double t = 0.5 * (a + b);
+  double previous_width = b - a;
+  for (int i = 0; i < 200; ++i) {
+    const double ft = f(t);
+    if (ft == 0.0) return t;
+    ((ft > 0.0) == (fa > 0.0) ? a : b) = t;
+    const double step = -ft / df(t);
+    double next = t + step;
+    const bool slow = b - a > 0.5 * previous_width && i > 3 && (i & 3) == 0;
+    if (!(next > a && next < b) || slow) next = 0.5 * (a + b);
+    if (next == t || !(b - a > 0.0) || next == a || next == b) return next;
+    if (std::abs(next - t) <= 1e-16 * std::abs(t)) return next;
+    previous_width = b - a;
+    t = next;
+  }
+  return t;
+}
+
+/// All real roots in [t0, t1], appended in increasing order. Between neighbouring roots of the
+/// derivative a polynomial is monotone, so none is missed; a root where it only touches zero may
+/// or may not be listed (rounding decides). Identically zero polynomials have no roots here.
+void real_roots(const Polynomial& p, double t0, double t1, std::vector<double>& out);
+
+/// An enclosure of values.
+struct Range {
+  double lo, hi;
+  bool contains_zero() const { return lo <= 0.0 && hi >= 0.0; }
+};
+
+/// All roots of f in [t0, t1], appended in increasing order, from enclosures of f and f' over
+/// subintervals: F(a, b) and DF(a, b) return a Range; f(t), df(t) values. Subintervals narrower than
+/// 1e-13 of the whole that stay undecided hold a double root at most and are dropped.
+template <class F, class DF, class RangeF, class RangeDF>
+void isolated_roots(const F& f, const DF& df, const RangeF& range_f, const RangeDF& range_df,
+                    double t0, double t1, std::vector<double>& out) {
+  std::vector<std::pair<double, double>> stack{{t0, t1}};
+  const double smallest = 1e-13 * (t1 - t0);
+  while (!stack.empty()) {
+    const auto [a, b] = stack.back();
+    stack.pop_back();
+    if (!range_f(a, b).contains_zero()) continue;
+    if (!range_df(a, b).contains_zero()) {
+      const double fa = f(a), fb = f(b);
+      // A root at b belongs to the next interval, unless there is none.
+      if (fa == 0.0) {
+        out.push_back(a);
+      } else if ((fa > 0.0) != (fb > 0.0) && (fb != 0.0 || b == t1)) {
+        out.push_back(fb == 0.0 ? b : bracketed_root(f, df, a, b, fa));
+      }
+      continue;
+    }
+    if (b - a <= smallest) continue;
+    const double middle = 0.5 * (a + b);
+    stack.push_back({middle, b});
+    stack.push_back({a, middle});
+  }
+}
+
+}  // namespace caustic::geometry

@@ -1,0 +1,96 @@
+#include <cmath>
+
+#include "geometry/root_finding.h"
+#include "geometry/surface.h"
+
+namespace caustic::geometry {
+
+namespace {
+
+// The quartic, smooth everywhere: with y = x − c, y∥ = y − a(a·y) and w = |y|² + R² − r²,
+//   g = (w² − 4R²|y∥|²)/(8R²r),   |∇g| = 1 ± r/R at the equators.
+class Torus final : public Surface {
+ public:
+  Torus(const Point& center, const Direction& axis, double major, double minor)
+      : c_(center), a_(axis), R_(major), r_(minor), scale_(0.125 / (major * major * minor)),
+        P_(Mat3::Identity() - axis * axis.transpose()) {}
+
+  double value(const Point& x) const override {
+    Vec3 gradient;
+    return value_gradient(x, gradient);
+  }
+  double value_gradient(const Point& x, Vec3& gradient) const override {
+    const Vec3 y = x - c_, in_plane = P_ * y;
+    const double w = excess(y), rho = in_plane.norm();
+    gradient = scale_ * (4.0 * w * y - 8.0 * R_ * R_ * in_plane);
+    // w − 2Rρ = z² + (ρ − R)² − r², without cancellation of the large terms.
+    const double z = a_.dot(y), across = rho - R_;
+    return scale_ * (z * z + (across - r_) * (across + r_)) * (w + 2.0 * R_ * rho);
+  }
+  SurfaceDerivatives derivatives(const Point& x) const override {
+    SurfaceDerivatives d;
+    d.g = value_gradient(x, d.gradient);
+    const Vec3 y = x - c_;
+    d.hessian = scale_ * (8.0 * y * y.transpose() + 4.0 * excess(y) * Mat3::Identity() -
+                          8.0 * R_ * R_ * P_);
+    return d;
+  }
+  Vec3 third_derivative(const Point& x, const Vec3& u, const Vec3& v) const override {
+    const Vec3 y = x - c_;
+    return 8.0 * scale_ * (y.dot(u) * v + y.dot(v) * u + u.dot(v) * y);
+  }
+  bool at_most_quadratic() const override { return false; }
+
+  void crossings(const Ray& ray, double t0, double t1, RayParameters& out) const override {
+    find(ray, t0, t1, false, out);
+  }
+  void stationary(const Ray& ray, double t0, double t1, RayParameters& out) const override {
+    find(ray, t0, t1, true, out);
+  }
+
+  bool convex(int) const override { return false; }
+  Box bounds() const override { return Box::around(c_, R_ + r_); }
+  std::vector<Chart> charts(const Extent&) const override {
+    const Frame frame(a_);
+    return {{[=, c = c_, a = a_, R = R_, r = r_](double s, double t) {
+      const double around = 2.0 * kPi * s, tube = 2.0 * kPi * t;
+      const Direction out = std::cos(around) * frame.e1 + std::sin(around) * frame.e2;
+      return Point(c + (R + r * std::cos(tube)) * out + r * std::sin(tube) * a);
+    }}};
+  }
+
+ private:
+  double excess(const Vec3& y) const { return y.squaredNorm() + (R_ - r_) * (R_ + r_); }
+
+  // About the point of the ray nearest to the centre, so that the coefficients stay small.
+  void find(const Ray& ray, double t0, double t1, bool stationary, RayParameters& out) const {
+    const double shift = (c_ - ray.origin).dot(ray.direction) / ray.direction.squaredNorm();
+    const Polynomial p = along({ray.at(shift), ray.direction});
+    const std::size_t first = out.size();
+    real_roots(stationary ? p.derivative() : p, t0 - shift, t1 - shift, out);
+    for (std::size_t i = first; i < out.size(); ++i) out[i] += shift;
+  }
+  Polynomial along(const Ray& ray) const {
+    const Vec3 y = ray.origin - c_, d = ray.direction;
+    const double dd = d.squaredNorm(), yd = y.dot(d), w = excess(y);
+    const double pd = d.dot(P_ * d), py = y.dot(P_ * d), yy = y.dot(P_ * y), f = 4.0 * R_ * R_;
+    return {{scale_ * (w * w - f * yy), scale_ * (4.0 * w * yd - 2.0 * f * py),
+             scale_ * (4.0 * yd * yd + 2.0 * w * dd - f * pd), scale_ * 4.0 * dd * yd,
+             scale_ * dd * dd},
+            4};
+  }
+
+  Point c_;
+  Direction a_;
+  double R_, r_, scale_;
+  Mat3 P_;
+};
+
+}  // namespace
+
+SurfacePtr make_torus(const Point& center, const Direction& axis, double major_radius,
+                      double minor_radius) {
+  return std::make_shared<Torus>(center, axis, major_radius, minor_radius);
+}
+
+}  // namespace caustic::geometry

@@ -1,0 +1,165 @@
+#include "solver/forward_map.h"
+
+#include <cmath>
+
+#include "geometry/jet.h"
+
+namespace caustic::solver {
+
+using geometry::Jet;
+using geometry::Mat3;
+using Mat36 = Eigen::Matrix<double, 3, 6>;  // a vector's jet: columns v, s, t, ss, st, tt
+
+ForwardMap::ForwardMap(const OpticalSystem& system, int surface, int side)
+    : mirror_(&system.surfaces()[surface]),
+      receiver_(&system.receiver()),
+      surface_(surface),
+      side_(side),
+      quadratic_(mirror_->shape->at_most_quadratic()),
+      scale_(system.diameter()) {
+  if (const auto* point = std::get_if<PointLight>(&system.light())) {
+    point_source_ = true;
+    source_ = point->position;
+    strength_ = mirror_->optics.reflectance * point->intensity;
+  } else {
+    const auto& beam = std::get<CollimatedLight>(system.light());
+    point_source_ = false;
+    source_ = beam.direction;
+    strength_ = mirror_->optics.reflectance * beam.irradiance;
+  }
+  to_receiver_ << receiver_->u.transpose(), receiver_->v.transpose(), receiver_->m.transpose();
+}
+
+Vec3 ForwardMap::incident(const Point& x) const { return point_source_ ? Vec3(x - source_) : source_; }
+
+Vec3 ForwardMap::reflected(const Point& x) const {
+  Vec3 N;
+  shape().value_gradient(x, N);
+  const Vec3 d = incident(x);
+  return d - (2.0 * d.dot(N) / N.squaredNorm()) * N;
+}
+
+Vec2 ForwardMap::arrival(const Point& x) const {
+  const Vec3 D = to_receiver_ * reflected(x), y = to_receiver_ * (x - receiver_->origin);
+  const double lambda = -y.z() / D.z();
+  return {y.x() + lambda * D.x(), y.y() + lambda * D.y()};
+}
+
+double ForwardMap::rounding(const Point& x) const {
+  return geometry::kEpsilon * (x.cwiseAbs().maxCoeff() + scale_);
+}
+
+Point ForwardMap::project(const Point& start) const {
+  Point x = start;
+  Vec3 gradient;
+  for (int i = 0; i < 6; ++i) {
+    const double g = shape().value_gradient(x, gradient);
+    const Vec3 step = gradient * (g / gradient.squaredNorm());
+    if (!step.allFinite()) return start;
+    x -= step;
+    // The next step would be of the order of this one squared over a radius of curvature.
+    if (step.squaredNorm() <= 1e-20 * scale_ * scale_) break;
+  }
+  return x;
+}
+
+namespace {
+
+Jet row(const Mat36& m, int i) { return {m(i, 0), m(i, 1), m(i, 2), m(i, 3), m(i, 4), m(i, 5)}; }
+
+}  // namespace
+
+FieldPoint ForwardMap::evaluate(const Point& x) const {
+  FieldPoint f;
+  f.x = x;
+  const auto g = shape().derivatives(x);
+  const Vec3& G = g.gradient;
+  const double NN0 = G.squaredNorm();
+  const double inverse_norm = 1.0 / std::sqrt(NN0);
+  const Direction g_hat = G * inverse_norm;
+  f.n = side_ * g_hat;
+  const geometry::Frame frame(f.n);
+  f.e1 = frame.e1;
+  f.e2 = frame.e2;
+
+  // The surface and its gradient as jets (S1), (S2).
+  const Vec3 H1 = g.hessian * f.e1, H2 = g.hessian * f.e2, Hg = g.hessian * g_hat * inverse_norm;
+  const double h11 = f.e1.dot(H1), h12 = f.e1.dot(H2), h22 = f.e2.dot(H2);
+  Mat36 N;
+  N << G, H1, H2, -h11 * Hg, -h12 * Hg, -h22 * Hg;
+  if (!quadratic_) {
+    N.col(3) += shape().third_derivative(x, f.e1, f.e1);
+    N.col(4) += shape().third_derivative(x, f.e1, f.e2);
+    N.col(5) += shape().third_derivative(x, f.e2, f.e2);
+  }
+  const Vec3 bend = -g_hat * inverse_norm;  // x_ij = h_ij · bend
+
+  // d·N and N·N. d moves with x for a point source: d_s = e₁, and e₁·N = 0.
+  const Vec3 d = incident(x);
+  const double moves = point_source_ ? 1.0 : 0.0;
+  const Eigen::Matrix<double, 1, 6> dN_row = d.transpose() * N, GN = G.transpose() * N;
+  const Jet dN{dN_row[0],
+               dN_row[1],
+               dN_row[2],
+               dN_row[3] + moves * h11,
+               dN_row[4] + moves * h12,
+               dN_row[5] + moves * h22};
+  const Jet NN{NN0,
+               2.0 * GN[1],
+               2.0 * GN[2],
+               2.0 * (H1.dot(H1) + GN[3]),
+               2.0 * (H1.dot(H2) + GN[4]),
+               2.0 * (H2.dot(H2) + GN[5])};
+  const Jet kappa = 2.0 * (dN / NN);
+
+  // Everything from here on in receiver axes: position, reflected direction (S3), arrival (S4).
+  Mat36 Y;
+  Y << x - receiver_->origin, f.e1, f.e2, h11 * bend, h12 * bend, h22 * bend;
+  Y = to_receiver_ * Y;
+  N = to_receiver_ * N;
+  const Vec3 d_local = to_receiver_ * d;
+  Jet D[3];
+  for (int i = 0; i < 3; ++i) {
+    const Jet d_i{d_local[i],        moves * Y(i, 1), moves * Y(i, 2),
+                  moves * Y(i, 3),   moves * Y(i, 4), moves * Y(i, 5)};
+    D[i] = d_i - kappa * row(N, i);
+  }
+  const Jet lambda = -1.0 * (row(Y, 2) / D[2]);
+  const Jet q1 = row(Y, 0) + lambda * D[0], q2 = row(Y, 1) + lambda * D[1];
+  f.lambda = lambda.v;
+  f.facing = D[2].v;
+  f.q = {q1.v, q2.v};
+  f.q_s = {q1.s, q2.s};
+  f.q_t = {q1.t, q2.t};
+
+  // Magnification and its gradient (S5).
+  f.a = q1.s * q2.t - q1.t * q2.s;
+  const double a_s = q1.ss * q2.t + q1.s * q2.st - q1.st * q2.s - q1.t * q2.ss;
+  const double a_t = q1.st * q2.t + q1.s * q2.tt - q1.tt * q2.s - q1.t * q2.st;
+  f.grad_a = a_s * f.e1 + a_t * f.e2;
+
+  // Flux density (S6) and cos α, through logarithmic derivatives of the smooth factors.
+  const double dd = d.squaredNorm(), inverse_d = 1.0 / std::sqrt(dd);
+  const double factor = -side_ * inverse_norm * inverse_d;
+  f.cos_alpha = factor * dN.v;
+  const Vec3 grad_dN = dN.s * f.e1 + dN.t * f.e2;
+  const Vec3 grad_log_N = (0.5 / NN0) * (NN.s * f.e1 + NN.t * f.e2);
+  const Vec3 grad_log_d = (moves / dd) * (d.dot(f.e1) * f.e1 + d.dot(f.e2) * f.e2);
+  f.grad_cos = factor * (grad_dN - dN.v * (grad_log_N + grad_log_d));
+  const double falloff = point_source_ ? strength_ * inverse_d * inverse_d : strength_;
+  f.flux = falloff * f.cos_alpha;
+  f.grad_flux = falloff * (f.grad_cos - 2.0 * f.cos_alpha * grad_log_d);
+
+  f.finite = std::isfinite(f.a) && f.grad_a.allFinite() && std::isfinite(f.flux) &&
+             f.grad_flux.allFinite() && f.q.allFinite();
+  return f;
+}
+
+Vec2 FieldPoint::irradiance_gradient() const {
+  // E_s = (σ_s − σ a_s/a)/|a|, then M⁻¹ from the right.
+  const Vec3 grad = (grad_flux - (flux / a) * grad_a) / std::abs(a);
+  const double E_s = grad.dot(e1), E_t = grad.dot(e2);
+  return Vec2(E_s * q_t.y() - E_t * q_s.y(), E_t * q_s.x() - E_s * q_t.x()) / a;
+}
+
+}  // namespace caustic::solver

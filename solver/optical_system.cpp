@@ -1,0 +1,51 @@
+#include "solver/optical_system.h"
+
+namespace caustic::solver {
+
+namespace {
+
+// An unbounded surface exists inside a ball this many diameters of the rest of the scene (api.md).
+constexpr double kClipDiameters = 1e3;
+
+void include(geometry::Box& box, const geometry::Point& x) {
+  box = {box.min.cwiseMin(x), box.max.cwiseMax(x)};
+}
+
+}  // namespace
+
+OpticalSystem OpticalSystem::build(Light light, std::vector<SystemSurface> surfaces,
+                                   geometry::ReceiverFrame receiver) {
+  OpticalSystem system;
+  geometry::Box scene{geometry::Point::Constant(geometry::kInfinity),
+                      geometry::Point::Constant(-geometry::kInfinity)};
+  for (const double i : {-1.0, 1.0}) {
+    for (const double j : {-1.0, 1.0}) {
+      include(scene, receiver.point({i * receiver.half.x(), j * receiver.half.y()}));
+    }
+  }
+  if (const auto* point = std::get_if<PointLight>(&light)) include(scene, point->position);
+  for (SystemSurface& surface : surfaces) {
+    for (const auto& bound : surface.shape->own_bounds()) surface.bounds.push_back(bound);
+    surface.region = surface.shape->bounds().intersected(geometry::box_of(surface.bounds));
+    if (surface.region.bounded() && !surface.region.empty()) {
+      include(scene, surface.region.min);
+      include(scene, surface.region.max);
+    }
+  }
+
+  system.center_ = scene.center();
+  system.diameter_ = scene.diagonal();
+  const double clip = 0.5 * kClipDiameters * system.diameter_;
+  for (SystemSurface& surface : surfaces) {
+    if (surface.region.bounded()) continue;
+    surface.bounds.push_back(
+        geometry::ball(system.center_, clip, geometry::Bound::Origin::clip));
+    surface.region = surface.region.intersected(geometry::Box::around(system.center_, clip));
+  }
+  system.light_ = std::move(light);
+  system.surfaces_ = std::move(surfaces);
+  system.receiver_ = receiver;
+  return system;
+}
+
+}  // namespace caustic::solver
