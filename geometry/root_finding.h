@@ -48,6 +48,32 @@ double bracketed_root(const F& f, const DF& df, double a, double b, double fa) {
   return t;
 }
 
+/// Root of f in [a, b], f(a) = fa and f(b) = fb of opposite signs, without derivatives: the Illinois
+/// variant of regula falsi. Stops when `done(t, ft)` says so or the bracket is down to rounding.
+template <class F, class Done>
+double illinois_root(const F& f, const Done& done, double a, double b, double fa, double fb) {
+  int last = 0;
+  for (int i = 0; i < 100; ++i) {
+    double t = b - fb * (b - a) / (fb - fa);
+    if (!(t > a && t < b) || i % 10 == 9) t = 0.5 * (a + b);
+    if (!(t > a && t < b)) return t;
+    const double ft = f(t);
+    if (ft == 0.0 || done(t, ft)) return t;
+    if ((ft > 0.0) == (fa > 0.0)) {
+      a = t;
+      fa = ft;
+      if (last == 1) fb *= 0.5;
+      last = 1;
+    } else {
+      b = t;
+      fb = ft;
+      if (last == -1) fa *= 0.5;
+      last = -1;
+    }
+  }
+  return 0.5 * (a + b);
+}
+
 /// All real roots in [t0, t1], appended in increasing order. Between neighbouring roots of the
 /// derivative a polynomial is monotone, so none is missed; a root where it only touches zero may
 /// or may not be listed (rounding decides). Identically zero polynomials have no roots here.

@@ -65,6 +65,10 @@ Point ForwardMap::project(const Point& start) const {
 
 namespace {
 
+// A ray exactly parallel to the receiver arrives this many lengths away instead of nowhere, so that
+// the pole of (S4) stays a number; its square still fits a double after two derivatives.
+constexpr double kParallel = 1e-30;
+
 Jet row(const Mat36& m, int i) { return {m(i, 0), m(i, 1), m(i, 2), m(i, 3), m(i, 4), m(i, 5)}; }
 
 }  // namespace
@@ -124,6 +128,7 @@ FieldPoint ForwardMap::evaluate(const Point& x) const {
                   moves * Y(i, 3),   moves * Y(i, 4), moves * Y(i, 5)};
     D[i] = d_i - kappa * row(N, i);
   }
+  if (D[2].v == 0.0) D[2].v = kParallel;
   const Jet lambda = -1.0 * (row(Y, 2) / D[2]);
   const Jet q1 = row(Y, 0) + lambda * D[0], q2 = row(Y, 1) + lambda * D[1];
   f.lambda = lambda.v;

@@ -1,0 +1,43 @@
+// How much work a request may do, and how much it has done.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+
+namespace caustic::solver {
+
+/// Shared by all threads of one request.
+class Budget {
+ public:
+  Budget(double seconds, std::size_t vertices, const std::atomic<bool>* cancelled)
+      : deadline_(std::chrono::steady_clock::now() +
+                  std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+                      std::chrono::duration<double>(seconds))),
+        vertices_left_(static_cast<std::int64_t>(vertices)),
+        cancelled_(cancelled) {}
+
+  /// True once the time is up, the vertices are spent or the request was cancelled; stays true.
+  bool exhausted() {
+    if (exhausted_.load(std::memory_order_relaxed)) return true;
+    const bool cancelled = cancelled_ && cancelled_->load(std::memory_order_relaxed);
+    if (cancelled || vertices_left_.load(std::memory_order_relaxed) < 0 ||
+        std::chrono::steady_clock::now() > deadline_) {
+      exhausted_.store(true, std::memory_order_relaxed);
+    }
+    return exhausted_.load(std::memory_order_relaxed);
+  }
+  void spend_vertices(std::size_t n) { vertices_left_ -= static_cast<std::int64_t>(n); }
+  void count_evaluations(std::uint64_t n) { evaluations_ += n; }
+  std::uint64_t evaluations() const { return evaluations_; }
+
+ private:
+  std::chrono::steady_clock::time_point deadline_;
+  std::atomic<std::int64_t> vertices_left_;
+  std::atomic<std::uint64_t> evaluations_{0};
+  std::atomic<bool> exhausted_{false};
+  const std::atomic<bool>* cancelled_;
+};
+
+}  // namespace caustic::solver

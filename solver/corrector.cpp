@@ -1,0 +1,59 @@
+#include "solver/corrector.h"
+
+#include <cmath>
+
+namespace caustic::solver {
+
+namespace {
+
+// Quadratic convergence doubles the digits each time: from a tenth of the basin six steps reach
+// rounding; the rest is for starts far away.
+constexpr int kMaxSteps = 12;
+// Residuals below this many rounding errors of x are as small as they get.
+constexpr double kRoundings = 4.0;
+
+}  // namespace
+
+std::optional<FieldPoint> correct(Evaluator& evaluate, const LevelFunction& f, const Point& x,
+                                  const CorrectorOptions& options) {
+  FieldPoint at = evaluate.on_surface(x);
+  double previous = geometry::kInfinity;
+  for (int i = 0; i < kMaxSteps; ++i) {
+    if (!at.finite || (at.x - x).norm() > options.trust) return std::nullopt;
+    const double residual = f.residual(at);
+    const double floor = kRoundings * f.residual_of_rounding(at, evaluate.map().rounding(at.x));
+    if (residual <= std::max(options.residual, floor)) return at;
+    // No progress any more, although close: rounding inside f, not of x, is the limit.
+    if (i > 2 && residual >= 0.5 * previous && residual < 1e3 * floor + 1e-9) return at;
+    previous = residual;
+
+    const Vec3 slope = f.gradient(at);
+    const Vec3 step = -(f.value(at) / slope.squaredNorm()) * slope;
+    if (!step.allFinite()) return std::nullopt;
+    at = evaluate.on_surface(at.x + step);
+  }
+  return std::nullopt;
+}
+
+std::optional<FieldPoint> correct_at_end(Evaluator& evaluate, const LevelFunction& f,
+                                         const Domain& domain, int end, const Point& x,
+                                         const CorrectorOptions& options) {
+  FieldPoint at = evaluate.on_surface(x);
+  for (int i = 0; i < kMaxSteps; ++i) {
+    if (!at.finite || (at.x - x).norm() > options.trust) return std::nullopt;
+    const double rounding = evaluate.map().rounding(at.x), h = domain.value(end, at);
+    const double floor = kRoundings * f.residual_of_rounding(at, rounding);
+    const bool on_curve = f.residual(at) <= std::max(options.residual, floor);
+    // Two equations for the step's coordinates along e1, e2.
+    const Vec3 df = f.gradient(at), dh = domain.gradient(end, at);
+    geometry::Mat2 K;
+    K << df.dot(at.e1), df.dot(at.e2), dh.dot(at.e1), dh.dot(at.e2);
+    if (on_curve && std::abs(h) <= kRoundings * rounding * (1.0 + K.row(1).norm())) return at;
+    const Vec2 step = K.inverse() * Vec2(-f.value(at), -h);
+    if (!step.allFinite()) return std::nullopt;
+    at = evaluate.on_surface(at.x + step.x() * at.e1 + step.y() * at.e2);
+  }
+  return std::nullopt;
+}
+
+}  // namespace caustic::solver

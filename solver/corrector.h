@@ -1,0 +1,29 @@
+// Newton's method back to a curve { g = 0, f = 0 }, and to its end { g = 0, f = 0, h = 0 }.
+#pragma once
+
+#include <optional>
+
+#include "solver/domain.h"
+#include "solver/evaluator.h"
+#include "solver/level_function.h"
+
+namespace caustic::solver {
+
+struct CorrectorOptions {
+  /// Accept once the residual of the level function is below this, or below what rounding allows.
+  double residual = 1e-11;
+  /// Give up if the point moves further than this from where it started, m.
+  double trust = geometry::kInfinity;
+};
+
+/// The point of the curve next to x, by steps of least length along the surface (S10); nothing if
+/// Newton's method leaves the trust region or does not converge.
+std::optional<FieldPoint> correct(Evaluator& evaluate, const LevelFunction& f, const Point& x,
+                                  const CorrectorOptions& options);
+
+/// The point next to x where the curve crosses the domain's boundary number `end`.
+std::optional<FieldPoint> correct_at_end(Evaluator& evaluate, const LevelFunction& f,
+                                         const Domain& domain, int end, const Point& x,
+                                         const CorrectorOptions& options);
+
+}  // namespace caustic::solver

@@ -1,0 +1,337 @@
+#include "solver/explore.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <unordered_map>
+
+#include "geometry/root_finding.h"
+
+namespace caustic::solver {
+
+namespace {
+
+// Cells along a chart's side before any refinement, by the number of charts.
+constexpr int kBaseOfOne = 12;
+constexpr int kBaseOfMany = 4;
+// Finest levels, counted from the base, for each reason to refine.
+constexpr int kBoundaryDepth = 2;  // the domain's boundary passes, or something hides a part
+constexpr int kFieldDepth = 4;     // a, σ or q vary
+constexpr int kPoleDepth = 5;      // some rays leave the receiver's plane
+constexpr int kImageDepth = 20;    // the image is coarse against the window
+// The image of a cell inside the window: at most this share of the window's diagonal.
+constexpr double kImageShare = 0.2;
+// Largest difference between the middle and the mean of the corners, as a share of the largest.
+constexpr double kFieldVariation = 0.2;
+constexpr double kImageVariation = 0.1;
+// How far beyond the samples of a cell its values may reach, in their spread.
+constexpr double kOvershoot = 0.5;
+// The samples' spread about the middle underestimates a cell's radius on curved charts.
+constexpr double kRadiusFactor = 1.3;
+constexpr std::size_t kMaxCells = 200000;
+
+constexpr int kFinest = 1 << kImageDepth;
+
+struct Span {
+  double lo = geometry::kInfinity, hi = -geometry::kInfinity;
+  void include(double v) {
+    lo = std::min(lo, v);
+    hi = std::max(hi, v);
+  }
+  double width() const { return hi - lo; }
+  /// No change of sign among the samples nor within the overshoot beyond them.
+  bool positive() const { return lo - kOvershoot * width() > 0.0; }
+  bool negative() const { return hi + kOvershoot * width() < 0.0; }
+};
+
+class Explorer {
+ public:
+  Explorer(Evaluator& evaluate, const Domain& domain, const OpticalSystem& system,
+           const Hidden& hidden)
+      : evaluate_(evaluate),
+        domain_(domain),
+        map_(evaluate.map()),
+        hidden_(hidden),
+        window_(system.receiver().half.norm() * 2.0) {
+    const auto& mirror = map_.mirror();
+    result_.charts = map_.shape().charts({mirror.region, system.center(), system.diameter()});
+  }
+
+  Exploration run();
+
+ private:
+  struct Square {
+    int chart, i, j, size, depth;  // corners in units of 1/(base · kFinest)
+  };
+  enum class Verdict { discard, refine, keep };
+  struct View {  // corners in order, then the middle
+    std::array<int, 5> samples;
+    double radius = 0.0;
+    bool cut = false;
+    const FieldPoint& operator()(const Exploration& e, int k) const { return e.samples[samples[k]]; }
+  };
+
+  int sample(int chart, int i, int j);
+  View look(const Square& c);
+  Verdict judge(const Square& c, View& view);
+  bool varies(const View& view) const;
+  void keep(const Square& c, const View& view);
+  std::vector<Corner> clip(int chart, std::vector<Corner> polygon);
+  double hidden_share(const View& view);
+  double coordinate(int i) const { return static_cast<double>(i) / (base_ * double(kFinest)); }
+
+  Evaluator& evaluate_;
+  const Domain& domain_;
+  const ForwardMap& map_;
+  const Hidden& hidden_;
+  double window_;
+  int base_ = kBaseOfOne;
+  Exploration result_;
+  std::unordered_map<std::uint64_t, int> known_;
+  std::unordered_map<int, bool> hidden_known_;
+};
+
+int Explorer::sample(int chart, int i, int j) {
+  const std::uint64_t key = (static_cast<std::uint64_t>(chart) << 56) |
+                            (static_cast<std::uint64_t>(i) << 28) | static_cast<std::uint64_t>(j);
+  const auto [entry, fresh] = known_.try_emplace(key, 0);
+  if (fresh) entry->second = add_sample(result_, evaluate_, chart, coordinate(i), coordinate(j));
+  return entry->second;
+}
+
+Explorer::View Explorer::look(const Square& c) {
+  const int half = c.size / 2;
+  View view{{sample(c.chart, c.i, c.j), sample(c.chart, c.i + c.size, c.j),
+             sample(c.chart, c.i + c.size, c.j + c.size), sample(c.chart, c.i, c.j + c.size),
+             sample(c.chart, c.i + half, c.j + half)}};
+  const Point& middle = view(result_, 4).x;
+  for (int k = 0; k < 4; ++k) {
+    view.radius = std::max(view.radius, kRadiusFactor * (view(result_, k).x - middle).norm());
+  }
+  return view;
+}
+
+double Explorer::hidden_share(const View& view) {
+  if (!hidden_) return 0.0;
+  int hidden = 0;
+  for (const int k : view.samples) {
+    const auto [entry, fresh] = hidden_known_.try_emplace(k, false);
+    if (fresh) {
+      const FieldPoint& f = result_.samples[k];
+      entry->second = f.arrives() && f.lit() && hidden_(f);
+    }
+    hidden += entry->second;
+  }
+  return hidden / 5.0;
+}
+
+// a, σ and q against the mean of the corners.
+bool Explorer::varies(const View& view) const {
+  double a = 0, flux = 0, a_max = 0, flux_max = 0;
+  Vec2 q = Vec2::Zero();
+  Span u, v;
+  for (int k = 0; k < 4; ++k) {
+    const FieldPoint& f = view(result_, k);
+    a += 0.25 * f.a;
+    flux += 0.25 * f.flux;
+    q += 0.25 * f.q;
+    a_max = std::max(a_max, std::abs(f.a));
+    flux_max = std::max(flux_max, std::abs(f.flux));
+    u.include(f.q.x());
+    v.include(f.q.y());
+  }
+  const FieldPoint& m = view(result_, 4);
+  return std::abs(m.a - a) > kFieldVariation * a_max ||
+         std::abs(m.flux - flux) > kFieldVariation * flux_max ||
+         (m.q - q).norm() > kImageVariation * std::hypot(u.width(), v.width());
+}
+
+Explorer::Verdict Explorer::judge(const Square& c, View& view) {
+  int finite = 0;
+  for (int k = 0; k < 5; ++k) finite += view(result_, k).finite;
+  if (finite < 5) {
+    if (c.depth < (finite == 0 ? 2 : kPoleDepth)) return Verdict::refine;
+    result_.unresolved += finite > 0;
+    return Verdict::discard;
+  }
+
+  // Outside the aperture for sure? The bounds are 1-Lipschitz.
+  const Point& middle = view(result_, 4).x;
+  for (const auto& bound : map_.mirror().bounds) {
+    const double h = bound.value(middle);
+    if (bound.lower_bound_within(h, view.radius) > 0.0) return Verdict::discard;
+    view.cut |= h > -view.radius;
+  }
+
+  // Light arrives in the window where |P| <= half·|m·D| with P = q (m·D), which is smooth also where
+  // rays become parallel to the receiver and q has a pole.
+  const Vec2& half = map_.receiver().half;
+  Span cosine, facing, u, v, beyond[4];
+  double behind = geometry::kInfinity;
+  const int plane = static_cast<int>(map_.mirror().bounds.size()) + 1;
+  for (int k = 0; k < 5; ++k) {
+    const FieldPoint& f = view(result_, k);
+    cosine.include(f.cos_alpha);
+    facing.include(f.facing);
+    u.include(f.q.x());
+    v.include(f.q.y());
+    for (int i = 0; i < 2; ++i) {
+      beyond[2 * i].include((f.q[i] - half[i]) * f.facing);
+      beyond[2 * i + 1].include((f.q[i] + half[i]) * f.facing);
+    }
+    behind = std::min(behind, domain_.value(plane, f));
+  }
+  if (cosine.negative()) return Verdict::discard;
+  for (int i = 0; i < 4; i += 2) {
+    const Span &a = beyond[i], &b = beyond[i + 1];
+    if ((a.positive() && b.positive()) || (a.negative() && b.negative())) return Verdict::discard;
+    view.cut |= !(a.positive() && b.negative()) && !(a.negative() && b.positive());
+  }
+  if (facing.lo < 0.0 && facing.hi > 0.0) {
+    return c.depth < kPoleDepth ? Verdict::refine : Verdict::discard;
+  }
+  if (behind > view.radius) return Verdict::discard;
+  view.cut |= !cosine.positive() || behind > -view.radius;
+
+  if (c.depth < kImageDepth && std::hypot(u.width(), v.width()) > kImageShare * window_) {
+    return Verdict::refine;
+  }
+  if (c.depth < kFieldDepth && varies(view)) return Verdict::refine;
+  if (c.depth < kBoundaryDepth && view.cut) return Verdict::refine;
+  if (c.depth < kBoundaryDepth) {
+    const double hidden = hidden_share(view);
+    if (hidden > 0.0 && hidden < 1.0) return Verdict::refine;
+  }
+  return Verdict::keep;
+}
+
+// The part of a polygon inside the domain, boundary by boundary; new corners lie on the boundary.
+std::vector<Corner> Explorer::clip(int chart, std::vector<Corner> polygon) {
+  std::vector<Corner> kept;
+  for (int boundary = 0; boundary < domain_.size() && !polygon.empty(); ++boundary) {
+    const auto h = [&](int k) { return domain_.value(boundary, result_.samples[k]); };
+    const auto outside = [&](const Corner& corner) { return h(corner.sample) > 0.0; };
+    if (std::none_of(polygon.begin(), polygon.end(), outside)) continue;
+    kept.clear();
+    for (std::size_t k = 0; k < polygon.size(); ++k) {
+      const Corner a = polygon[k], b = polygon[(k + 1) % polygon.size()];
+      const double ha = h(a.sample), hb = h(b.sample);
+      if (ha <= 0.0) kept.push_back(a);
+      if ((ha <= 0.0) == (hb <= 0.0) || ha == 0.0) continue;
+      Corner cut{a.s, a.t, -1};
+      const auto value = [&](double w) {
+        const Point x = result_.charts[chart].point(a.s + w * (b.s - a.s), a.t + w * (b.t - a.t));
+        return domain_.value(boundary, evaluate_(x));
+      };
+      const double small = 1e-10 * (std::abs(ha) + std::abs(hb));
+      const double w = geometry::illinois_root(
+          value, [&](double, double v) { return std::abs(v) <= small; }, 0.0, 1.0, ha, hb);
+      cut.s = a.s + w * (b.s - a.s);
+      cut.t = a.t + w * (b.t - a.t);
+      cut.sample = add_sample(result_, evaluate_, chart, cut.s, cut.t);
+      if (result_.samples[cut.sample].finite) kept.push_back(cut);
+    }
+    polygon.swap(kept);
+  }
+  return polygon.size() < 3 ? std::vector<Corner>{} : polygon;
+}
+
+void Explorer::keep(const Square& c, const View& view) {
+  std::vector<Corner> polygon;
+  const int di[4] = {0, 1, 1, 0}, dj[4] = {0, 0, 1, 1};
+  for (int k = 0; k < 4; ++k) {
+    polygon.push_back({coordinate(c.i + di[k] * c.size), coordinate(c.j + dj[k] * c.size),
+                       view.samples[k]});
+  }
+  const bool whole = std::all_of(polygon.begin(), polygon.end(), [&](const Corner& corner) {
+    return domain_.contains(result_.samples[corner.sample]);
+  });
+  if (!whole) polygon = clip(c.chart, std::move(polygon));
+  if (polygon.empty()) return;
+  result_.cells.push_back(
+      {c.chart, std::move(polygon), whole, view.samples[4], view.radius, hidden_share(view)});
+}
+
+Exploration Explorer::run() {
+  base_ = result_.charts.size() == 1 ? kBaseOfOne : kBaseOfMany;
+  known_.reserve(4096);
+  result_.samples.reserve(4096);
+  std::vector<Square> stack;
+  for (int chart = 0; chart < static_cast<int>(result_.charts.size()); ++chart) {
+    for (int i = base_; i-- > 0;) {
+      for (int j = base_; j-- > 0;) {
+        stack.push_back({chart, i * kFinest, j * kFinest, kFinest, 0});
+      }
+    }
+    // Chart by chart, in a fixed order.
+    while (!stack.empty()) {
+      if (evaluate_.budget().exhausted()) return std::move(result_);
+      const Square c = stack.back();
+      stack.pop_back();
+      View view = look(c);
+      const Verdict verdict = judge(c, view);
+      if (verdict == Verdict::discard) {
+        ++result_.discarded;
+      } else if (verdict == Verdict::keep || result_.cells.size() + stack.size() > kMaxCells) {
+        result_.unresolved += verdict == Verdict::refine;
+        keep(c, view);
+      } else {
+        const int half = c.size / 2;
+        for (const int i : {half, 0}) {
+          for (const int j : {half, 0}) {
+            stack.push_back({c.chart, c.i + i, c.j + j, half, c.depth + 1});
+          }
+        }
+      }
+    }
+  }
+  result_.dark = std::none_of(result_.samples.begin(), result_.samples.end(),
+                              [](const FieldPoint& f) { return f.finite && f.flux > 0.0; });
+  return std::move(result_);
+}
+
+}  // namespace
+
+int add_sample(Exploration& e, Evaluator& evaluate, int chart, double s, double t) {
+  e.samples.push_back(evaluate(e.charts[chart].point(s, t)));
+  return static_cast<int>(e.samples.size()) - 1;
+}
+
+Exploration explore(Evaluator& evaluate, const Domain& domain, const OpticalSystem& system,
+                    const Hidden& hidden) {
+  return Explorer(evaluate, domain, system, hidden).run();
+}
+
+double image_area(const Exploration& e, const Cell& cell) {
+  double twice = 0.0;
+  for (std::size_t k = 0; k < cell.polygon.size(); ++k) {
+    const Vec2& a = e.samples[cell.polygon[k].sample].q;
+    const Vec2& b = e.samples[cell.polygon[(k + 1) % cell.polygon.size()].sample].q;
+    twice += a.x() * b.y() - a.y() * b.x();
+  }
+  return 0.5 * std::abs(twice);
+}
+
+double flux_of(const Exploration& e, const Cell& cell, const ForwardMap& map, const Light& light) {
+  const double rho = map.mirror().optics.reflectance;
+  const Point& first = e.samples[cell.polygon[0].sample].x;
+  double sum = 0.0;
+  for (std::size_t k = 1; k + 1 < cell.polygon.size(); ++k) {
+    const Point& b = e.samples[cell.polygon[k].sample].x;
+    const Point& c = e.samples[cell.polygon[k + 1].sample].x;
+    if (const auto* point = std::get_if<PointLight>(&light)) {
+      // Solid angle of a triangle: Van Oosterom & Strackee, IEEE Trans. BME 30 (1983).
+      const Vec3 u = (first - point->position).normalized(), v = (b - point->position).normalized(),
+                 w = (c - point->position).normalized();
+      sum += 2.0 * rho * point->intensity *
+             std::atan2(u.dot(v.cross(w)), 1.0 + u.dot(v) + v.dot(w) + w.dot(u));
+    } else {
+      const auto& beam = std::get<CollimatedLight>(light);
+      sum += 0.5 * rho * beam.irradiance * (b - first).cross(c - first).dot(beam.direction);
+    }
+  }
+  return std::abs(sum);
+}
+
+}  // namespace caustic::solver

@@ -1,0 +1,76 @@
+#include "solver/family_field.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace caustic::solver {
+
+namespace {
+
+// a below this share of |∂q/∂s|² + |∂q/∂t|² everywhere is zero to rounding; so are ∂q below it.
+constexpr double kDegenerateShare = 1e-9;
+// φ that varies by less than this share over the whole window is constant.
+constexpr double kUniformShare = 1e-10;
+
+bool looks_degenerate(const FieldPoint& f) {
+  const double stretch = f.q_s.squaredNorm() + f.q_t.squaredNorm();
+  return std::abs(f.a) <= kDegenerateShare * stretch || stretch <= kDegenerateShare * kDegenerateShare;
+}
+
+}  // namespace
+
+FamilyField::FamilyField(const OpticalSystem& system, const PlannedPiece& planned,
+                         const geometry::EmbreeScene* candidates, double margin)
+    : piece(planned), map(system, planned.surface, planned.side), domain(map), system_(system) {
+  if (planned.visibility) visibility.emplace(system, candidates, margin);
+}
+
+void FamilyField::explore(Budget& budget) {
+  Evaluator evaluate(map, budget);
+  Hidden hidden;
+  if (visibility) hidden = [this](const FieldPoint& f) { return visibility->hidden(map, f); };
+  exploration = solver::explore(evaluate, domain, system_, hidden);
+  measure();
+  if (!degenerate && !uniform && !empty()) {
+    critical = find_critical_points(evaluate, domain, exploration);
+    for (const CriticalPoint& c : critical) {
+      const double phi = c.field.inverse_irradiance();
+      phi_min = std::min(phi_min, phi);
+      phi_max = std::max(phi_max, phi);
+    }
+  }
+}
+
+void FamilyField::measure() {
+  phi_min = geometry::kInfinity;
+  phi_max = -geometry::kInfinity;
+  bool any = false, all_degenerate = true;
+  for (const Cell& cell : exploration.cells) {
+    const double visible = 1.0 - cell.hidden;
+    if (visible <= 0.0) continue;
+    double phi_sum = 0.0;
+    int lit = 0;
+    for (const Corner& corner : cell.polygon) {
+      const FieldPoint& f = exploration.samples[corner.sample];
+      any = true;
+      all_degenerate &= looks_degenerate(f);
+      if (!(f.flux > 0.0)) continue;
+      const double phi = f.inverse_irradiance();
+      phi_min = std::min(phi_min, phi);
+      phi_max = std::max(phi_max, phi);
+      phi_sum += phi;
+      ++lit;
+    }
+    if (lit == 0) continue;
+    flux += visible * flux_of(exploration, cell, map, system_.light());
+    const FieldPoint& center = exploration.samples[cell.center];
+    const double phi = domain.contains(center) ? center.inverse_irradiance() : phi_sum / lit;
+    const double area = visible * image_area(exploration, cell);
+    if (phi != 0.0 && area > 0.0) samples.push_back({1.0 / std::abs(phi), area});
+  }
+  degenerate = any && all_degenerate;
+  const double size = std::max(std::abs(phi_min), std::abs(phi_max));
+  uniform = any && phi_max - phi_min <= kUniformShare * size;
+}
+
+}  // namespace caustic::solver

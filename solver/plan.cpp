@@ -1,0 +1,104 @@
+#include "solver/plan.h"
+
+#include <cmath>
+
+#include "solver/visibility.h"
+
+namespace caustic::solver {
+
+namespace {
+
+using geometry::Box;
+using geometry::Point;
+
+// Light nearer to a surface than this share of the scene is taken to lie on it.
+constexpr double kOnSurfaceShare = 1e-9;
+
+Box hull(const Box& a, const Box& b) { return {a.min.cwiseMin(b.min), a.max.cwiseMax(b.max)}; }
+
+Box window_of(const geometry::ReceiverFrame& r) {
+  const geometry::Vec3 reach =
+      r.half.x() * r.u.cwiseAbs() + r.half.y() * r.v.cwiseAbs();
+  return {r.origin - reach, r.origin + reach};
+}
+
+bool whole(const SystemSurface& surface) {
+  for (const auto& bound : surface.bounds) {
+    if (bound.origin == geometry::Bound::Origin::aperture) return false;
+  }
+  return surface.shape->own_bounds().empty();
+}
+
+// The side from which light must come, or 0 if it may be either: a surface without holes separates
+// its inside from its outside, so light arrives on the side where its source is.
+int lit_side(const OpticalSystem& system, const SystemSurface& surface) {
+  if (!whole(surface)) return 0;
+  geometry::Vec3 gradient;
+  if (const auto* point = std::get_if<PointLight>(&system.light())) {
+    const double g = surface.shape->value_gradient(point->position, gradient);
+    if (std::abs(g) <= kOnSurfaceShare * system.diameter() * gradient.norm()) return 0;
+    return g > 0.0 ? 1 : -1;
+  }
+  if (!surface.shape->bounds().bounded()) return 0;
+  return 1;  // a beam comes from infinity, outside of every closed shape
+}
+
+bool may_be_hidden(const OpticalSystem& system, int mirror, int side) {
+  const SystemSurface& surface = system.surfaces()[mirror];
+  if (!surface.shape->convex(side)) return true;
+  const auto* point = std::get_if<PointLight>(&system.light());
+  for (int i = 0; i < static_cast<int>(system.surfaces().size()); ++i) {
+    if (i == mirror) continue;
+    if (!point) return true;
+    const Box& other = system.surfaces()[i].region;
+    const Box to_light = hull(surface.region, Box{point->position, point->position});
+    const Box to_receiver = hull(surface.region, window_of(system.receiver()));
+    if (!other.intersected(to_light).empty() || !other.intersected(to_receiver).empty()) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+Plan make_plan(const OpticalSystem& system, const std::vector<std::vector<int>>& families,
+               const std::set<std::string>& no_skip) {
+  Plan plan;
+  int dark_sides = 0, unhidden = 0;
+  for (int family = 0; family < static_cast<int>(families.size()); ++family) {
+    const int mirror = families[family].front();
+    const int lit = lit_side(system, system.surfaces()[mirror]);
+    for (const int side : {1, -1}) {
+      if (lit == -side && !no_skip.count("dark_side")) {
+        ++dark_sides;
+        continue;
+      }
+      const bool needed = may_be_hidden(system, mirror, side);
+      unhidden += !needed;
+      plan.pieces.push_back({family, mirror, side, needed || no_skip.count("visibility") > 0});
+    }
+  }
+  if (dark_sides > 0) {
+    plan.skipped.push_back({"dark_side", std::to_string(dark_sides) +
+                                             (dark_sides == 1 ? " side" : " sides") +
+                                             " of surfaces without openings that face away from the light"});
+  }
+  bool visibility = false;
+  for (const PlannedPiece& piece : plan.pieces) visibility |= piece.visibility;
+  if (unhidden > 0 && !no_skip.count("visibility")) {
+    const bool alone = system.surfaces().size() == 1;
+    plan.skipped.push_back(
+        {"visibility", alone ? "one convex surface, nothing else to hit"
+                             : std::to_string(unhidden) + " convex mirror sides with nothing in the way"});
+  }
+  const int count = static_cast<int>(system.surfaces().size());
+  plan.embree = visibility && (count >= kEmbreeSurfaces || no_skip.count("embree") > 0);
+  if (!plan.embree) {
+    plan.skipped.push_back({"embree", !visibility ? "visibility is not asked"
+                                                  : "asking each of " + std::to_string(count) +
+                                                        (count == 1 ? " surface" : " surfaces") +
+                                                        " is faster than a hierarchy"});
+  }
+  return plan;
+}
+
+}  // namespace caustic::solver

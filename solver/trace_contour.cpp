@@ -1,0 +1,351 @@
+#include "solver/trace_contour.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "geometry/root_finding.h"
+#include "solver/corrector.h"
+#include "solver/predictor.h"
+
+namespace caustic::solver {
+
+namespace {
+
+// Predictor's error per unit of arc. Newton squares it, so one correction reaches rounding.
+constexpr double kPredictorError = 1e-7;
+// Largest turn of the tangent in one step, so that no step can hide a loop: cos 0.5.
+constexpr double kMinTurnCosine = 0.8775825618903728;
+// The corrector may move a point by this share of the step; more means another branch.
+constexpr double kTrustShare = 0.05;
+// Largest motion on the receiver in one step, in widths of it.
+constexpr double kMaxReceiverStep = 0.5;
+// Steps shorter than this many roundings of x are a stall.
+constexpr double kMinStepRoundings = 1e3;
+// Share of the chord tolerance that is used, since the estimate is of third order only.
+constexpr double kChordShare = 0.8;
+constexpr int kMaxInserted = 64;   // vertices in one step
+constexpr int kMaxPending = 24;    // of them not yet accepted
+
+struct Node {
+  FieldPoint f;
+  Vec3 t = Vec3::Zero();   // unit tangent, the way we go
+  Vec2 dq = Vec2::Zero();  // its image on the receiver
+  double s = 0.0;          // arc since the beginning of the step
+  bool cusp = false;
+};
+
+struct Stop {
+  bool closed = false;
+  Ending ending = Ending::limit;
+  bool clipped = false;
+  bool stalled = false;
+};
+
+// Largest distance from its chord of the cubic with these ends and velocities, at three places.
+double chord_error(const Node& a, const Node& b) {
+  const double ds = b.s - a.s;
+  const Vec2 chord = b.f.q - a.f.q;
+  const double length2 = chord.squaredNorm();
+  double worst = 0.0;
+  for (const double w : {0.25, 0.5, 0.75}) {
+    const double v = 1.0 - w;
+    const Vec2 q = (w * w * (3.0 - 2.0 * w)) * chord + (ds * w * v * v) * a.dq -
+                   (ds * w * w * v) * b.dq;
+    const double along = length2 > 0.0 ? std::clamp(q.dot(chord) / length2, 0.0, 1.0) : 0.0;
+    worst = std::max(worst, (q - along * chord).norm());
+  }
+  return worst;
+}
+
+class Tracer final : public DirectionField {
+ public:
+  Tracer(Evaluator& evaluate, const Domain& domain, const LevelFunction& level,
+         const TraceOptions& options, Trace& trace)
+      : evaluate_(evaluate),
+        domain_(domain),
+        level_(level),
+        options_(options),
+        trace_(trace),
+        predictor_(*this) {}
+
+  Stop follow(const FieldPoint& seed, double sign, std::vector<CurveVertex>& out);
+
+  bool direction(const Point& x, Vec3& t) override {
+    const FieldPoint f = evaluate_(x);
+    t = sign_ * level_.tangent(f);
+    return f.finite && t.squaredNorm() > 0.5;
+  }
+
+  CurveVertex vertex(const FieldPoint& f) {
+    const double rounding = evaluate_.map().rounding(f.x);
+    trace_.conditioning = std::max(trace_.conditioning, level_.residual_of_rounding(f, rounding));
+    return make_vertex(evaluate_.map(), level_, f);
+  }
+
+ private:
+  Node node(const FieldPoint& f, double s) const {
+    const Vec3 t = sign_ * level_.tangent(f);
+    return {f, t, f.push_forward(t), s, false};
+  }
+  std::optional<Node> advance(const Node& from);
+  std::optional<Node> between(const Node& a, const Node& b, double s);
+  double split(const Node& a, const Node& b) const;
+  std::optional<Node> cusp_between(const Node& a, const Node& b);
+  std::optional<Stop> stop_at_start(const Node& start) const;
+  std::optional<Stop> accept(const Node& a, const Node& b, std::vector<CurveVertex>& out);
+  bool closes(const Node& a, const Node& b);
+  std::optional<double> leaves(int boundary, const Node& a, const Node& b);
+  FieldPoint end_between(int boundary, const Node& a, const Node& b);
+
+  Evaluator& evaluate_;
+  const Domain& domain_;
+  const LevelFunction& level_;
+  const TraceOptions& options_;
+  Trace& trace_;
+  Predictor predictor_;
+  double sign_ = 1.0;
+  double ds_ = 0.0;        // next step
+  double step_ = 0.0;      // length of the step that the predictor holds
+  Node start_;
+  std::size_t accepted_ = 0;
+};
+
+// One corrected step from `from`, as long as error, turn and motion on the receiver allow.
+std::optional<Node> Tracer::advance(const Node& from) {
+  const double rounding = evaluate_.map().rounding(from.f.x);
+  while (ds_ > kMinStepRoundings * rounding) {
+    const auto step = predictor_.attempt(from.f.x, from.t, ds_);
+    double factor = 0.25;
+    if (step.usable) {
+      const double allowed = std::max(kPredictorError * ds_, 4.0 * rounding);
+      factor = std::clamp(0.9 * std::pow(allowed / std::max(step.error, 1e-300), 0.2), 0.2, 3.0);
+      if (step.error <= allowed) {
+        const auto f = correct(evaluate_, level_, step.end, {options_.residual, kTrustShare * ds_});
+        if (f && f->facing * from.f.facing > 0.0) {
+          Node to = node(*f, ds_);
+          const bool short_enough =
+              (to.f.q - from.f.q).norm() <= kMaxReceiverStep * evaluate_.map().receiver().width();
+          if (to.t.dot(from.t) >= kMinTurnCosine && short_enough) {
+            step_ = ds_;
+            ds_ *= factor;
+            return to;
+          }
+        }
+        factor = 0.5;
+      }
+    }
+    ds_ *= std::min(factor, 0.5);
+  }
+  return std::nullopt;
+}
+
+// The curve's point at arc s of the current step, between two of its nodes.
+std::optional<Node> Tracer::between(const Node& a, const Node& b, double s) {
+  const auto f = correct(evaluate_, level_, predictor_.at(s / step_),
+                         {options_.residual, (b.f.x - a.f.x).norm()});
+  if (!f) return std::nullopt;
+  return node(*f, s);
+}
+
+// Where on (0, 1) the next vertex between a and b is wanted; 1 if none is.
+double Tracer::split(const Node& a, const Node& b) const {
+  const double error = chord_error(a, b), allowed = kChordShare * options_.chord;
+  int pieces = error > allowed ? static_cast<int>(std::ceil(std::sqrt(error / allowed))) : 1;
+  const double na = a.dq.norm(), nb = b.dq.norm();
+  const bool turns = !a.cusp && !b.cusp && a.dq.dot(b.dq) < kMinTurnCosine * na * nb;
+  if (turns && (b.f.q - a.f.q).norm() > options_.chord) pieces = std::max(pieces, 2);
+  return 1.0 / std::min(pieces, kMaxInserted);
+}
+
+// On the caustic: the point where the curve's image stops and turns back (S11).
+std::optional<Node> Tracer::cusp_between(const Node& a, const Node& b) {
+  if (!level_.is_caustic() || a.cusp || b.cusp || a.dq.dot(b.dq) >= 0.0) return std::nullopt;
+  const Vec2 line = a.dq.normalized();
+  std::optional<Node> at;
+  const auto speed = [&](double s) {
+    auto next = between(a, b, s);
+    if (!next) return 0.0;
+    at = std::move(next);
+    return at->dq.dot(line);
+  };
+  const double fast = std::max(a.dq.norm(), b.dq.norm());
+  geometry::illinois_root(speed, [&](double, double v) { return std::abs(v) <= 1e-12 * fast; }, a.s,
+                          b.s, a.dq.dot(line), b.dq.dot(line));
+  if (at) at->cusp = at->dq.norm() <= 1e-6 * fast;
+  return at && at->cusp ? at : std::nullopt;
+}
+
+// A start on the boundary with the inside behind us.
+std::optional<Stop> Tracer::stop_at_start(const Node& start) const {
+  const double slack = 1e3 * evaluate_.map().rounding(start.f.x);
+  for (int i = 0; i < domain_.size(); ++i) {
+    const Vec3 slope = domain_.gradient(i, start.f);
+    if (domain_.value(i, start.f) < -slack * (1.0 + slope.norm())) continue;
+    if (slope.dot(start.t) > 0.0) return Stop{false, domain_.ending(i), domain_.is_clip(i), false};
+  }
+  return std::nullopt;
+}
+
+bool Tracer::closes(const Node& a, const Node& b) {
+  const Vec3& t0 = start_.t;
+  const Point& x0 = start_.f.x;
+  const double before = t0.dot(a.f.x - x0), after = t0.dot(b.f.x - x0);
+  const double length = (b.f.x - a.f.x).norm();
+  if (accepted_ < 4 || !(before < 0.0 && after >= 0.0)) return false;
+  if ((a.f.x - x0).norm() > 2.0 * length || b.t.dot(t0) < 0.0) return false;
+  std::optional<Node> at;
+  const auto ahead = [&](double s) {
+    auto next = between(a, b, s);
+    if (!next) return 0.0;
+    at = std::move(next);
+    return t0.dot(at->f.x - x0);
+  };
+  const double rounding = evaluate_.map().rounding(x0);
+  geometry::illinois_root(ahead, [&](double, double h) { return std::abs(h) <= 1e-9 * length; },
+                          a.s, b.s, before, after);
+  if (after == 0.0) at = b;
+  // What is left is across the curve, where the corrector is exact.
+  return at && (at->f.x - x0).norm() <= 1e-6 * length + 1e3 * rounding;
+}
+
+// Arc at which the curve is certainly beyond boundary i, if it gets there between a and b. A rise
+// and fall inside the step shows in the cubic through both ends.
+std::optional<double> Tracer::leaves(int i, const Node& a, const Node& b) {
+  const double ha = domain_.value(i, a.f), hb = domain_.value(i, b.f), ds = b.s - a.s;
+  if (hb > 0.0) return b.s;
+  const double da = domain_.gradient(i, a.f).dot(a.t) * ds, db = domain_.gradient(i, b.f).dot(b.t) * ds;
+  if (da <= 0.0 || db >= 0.0 || std::max(ha, hb) + 0.25 * std::max(da, -db) <= 0.0) {
+    return std::nullopt;
+  }
+  // Steepest place of the cubic's top: the root of its slope, by the secant of the end slopes.
+  const double w = da / (da - db), v = 1.0 - w;
+  const double top = ha * v * v * (1.0 + 2.0 * w) + hb * w * w * (3.0 - 2.0 * w) +
+                     da * w * v * v - db * w * w * v;
+  if (top <= -0.1 * std::max(da, -db)) return std::nullopt;
+  const auto c = between(a, b, a.s + w * ds);
+  if (c && domain_.value(i, c->f) > 0.0) return c->s;
+  return std::nullopt;
+}
+
+FieldPoint Tracer::end_between(int i, const Node& a, const Node& b) {
+  Node inside = a;
+  const double ha = std::min(domain_.value(i, a.f), -1e-300);
+  const auto h = [&](double s) {
+    const auto next = between(a, b, s);
+    if (!next) return 0.0;
+    const double value = domain_.value(i, next->f);
+    if (value <= 0.0 && next->s > inside.s) inside = *next;
+    return value;
+  };
+  // Near enough for Newton, which then finishes.
+  const double length = (b.f.x - a.f.x).norm();
+  const double near = 1e-6 * std::abs(domain_.value(i, b.f) - ha);
+  const double s = geometry::illinois_root(
+      h, [&](double, double value) { return std::abs(value) <= near; }, a.s, b.s, ha,
+      domain_.value(i, b.f));
+  const auto end = correct_at_end(evaluate_, level_, domain_, i, predictor_.at(s / step_),
+                                  {options_.residual, length});
+  return end ? *end : inside.f;
+}
+
+// Takes the piece from a to b, unless the curve closes or ends on it.
+std::optional<Stop> Tracer::accept(const Node& a, const Node& b, std::vector<CurveVertex>& out) {
+  if (closes(a, b)) return Stop{true, {}, false, false};
+  int boundary = -1;
+  Node end = b;
+  for (int i = 0; i < domain_.size(); ++i) {
+    const auto beyond = leaves(i, a, end);
+    if (!beyond) continue;
+    Node outside = end;
+    if (*beyond < end.s) {
+      if (const auto at = between(a, end, *beyond)) outside = *at;
+    }
+    const FieldPoint f = end_between(i, a, outside);
+    end = node(f, std::clamp(a.s + a.t.dot(f.x - a.f.x), a.s, end.s));
+    boundary = i;
+  }
+  const bool moved = (end.f.x - a.f.x).norm() > 16.0 * evaluate_.map().rounding(a.f.x);
+  if (moved || boundary < 0) {
+    out.push_back(vertex(end.f));
+    ++accepted_;
+    evaluate_.budget().spend_vertices(1);
+  }
+  if (boundary < 0) return std::nullopt;
+  return Stop{false, domain_.ending(boundary), domain_.is_clip(boundary), false};
+}
+
+// Follows the curve from the seed (not part of `out`) in one direction.
+Stop Tracer::follow(const FieldPoint& seed, double sign, std::vector<CurveVertex>& out) {
+  sign_ = sign;
+  ds_ = options_.first_step;
+  accepted_ = 0;
+  start_ = node(seed, 0.0);
+  if (const auto stop = stop_at_start(start_)) return *stop;
+
+  Node a = start_;
+  std::array<Node, kMaxPending> pending;
+  while (!evaluate_.budget().exhausted()) {
+    const auto b = advance(a);
+    if (!b) return Stop{false, Ending::limit, false, true};
+    a.s = 0.0;
+    pending[0] = *b;
+    for (int count = 1; count > 0;) {
+      const Node& next = pending[count - 1];
+      if (count < kMaxPending) {
+        std::optional<Node> c = cusp_between(a, next);
+        const double w = c ? 1.0 : split(a, next);
+        if (w < 1.0) c = between(a, next, a.s + w * (next.s - a.s));
+        if (c && c->s > a.s && c->s < next.s) {
+          pending[count++] = *c;
+          continue;
+        }
+      }
+      if (const auto stop = accept(a, next, out)) return *stop;
+      a = next;
+      --count;
+    }
+  }
+  return Stop{};
+}
+
+}  // namespace
+
+CurveVertex make_vertex(const ForwardMap& map, const LevelFunction& level, const FieldPoint& f) {
+  CurveVertex v;
+  v.uv = f.q;
+  v.p = map.receiver().point(f.q);
+  v.x = f.x;
+  v.residual = level.residual(f);
+  v.arc_length = 0.0;
+  v.irradiance = -1.0;
+  v.gradient = Vec3::Zero();
+  if (!level.is_caustic()) {
+    const Vec2 gradient = f.irradiance_gradient();
+    v.irradiance = f.irradiance();
+    v.gradient = gradient.x() * map.receiver().u + gradient.y() * map.receiver().v;
+  }
+  return v;
+}
+
+Trace trace_contour(Evaluator& evaluate, const Domain& domain, const LevelFunction& level,
+                    const FieldPoint& seed, const TraceOptions& options) {
+  Trace trace;
+  Tracer tracer(evaluate, domain, level, options, trace);
+  std::vector<CurveVertex> ahead;
+  const Stop front = tracer.follow(seed, 1.0, ahead);
+  if (!front.closed) {
+    const Stop back = tracer.follow(seed, -1.0, trace.vertices);
+    std::reverse(trace.vertices.begin(), trace.vertices.end());
+    trace.ends = {back.ending, front.ending};
+    trace.clipped = back.clipped || front.clipped;
+    trace.stalled = back.stalled || front.stalled;
+  }
+  trace.closed = front.closed;
+  trace.vertices.push_back(tracer.vertex(seed));
+  trace.vertices.insert(trace.vertices.end(), ahead.begin(), ahead.end());
+  return trace;
+}
+
+}  // namespace caustic::solver

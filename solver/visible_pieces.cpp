@@ -1,0 +1,148 @@
+#include "solver/visible_pieces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "solver/corrector.h"
+
+namespace caustic::solver {
+
+namespace {
+
+// Two vertices whose clearances exceed their distance by this factor have nothing between them;
+// clearance is a distance to first order only.
+constexpr double kClearanceFactor = 1.5;
+// Bisections of an interval that is not safe: both ends alike, ends different.
+constexpr int kMaxScanDepth = 6;
+constexpr int kMinScanDepth = 2;
+
+struct Sighted {
+  FieldPoint f;
+  Visibility::Sight sight;
+  bool hidden() const { return sight.clearance < 0.0; }
+};
+
+// A change of visibility between two vertices: the last point of the visible side.
+struct Change {
+  FieldPoint at;
+  Ending ending;
+  bool to_hidden;
+};
+
+class Cutter {
+ public:
+  Cutter(const Visibility& visibility, Evaluator& evaluate, const LevelFunction& level,
+         double residual)
+      : visibility_(visibility), evaluate_(evaluate), level_(level), residual_(residual) {}
+
+  Sighted sighted(const Point& x) {
+    const FieldPoint f = evaluate_(x);
+    return {f, visibility_.look(evaluate_.map(), f)};
+  }
+
+  void scan(const Sighted& a, const Sighted& b, int depth, std::vector<Change>& out) {
+    const double moved = std::max((b.f.x - a.f.x).norm(), (b.f.q - a.f.q).norm());
+    const double room = std::abs(a.sight.clearance) + std::abs(b.sight.clearance);
+    const bool alike = a.hidden() == b.hidden();
+    if (alike && room > kClearanceFactor * moved) return;
+    if (depth >= (alike ? kMaxScanDepth : kMinScanDepth)) {
+      if (!alike) out.push_back(locate(a, b));
+      return;
+    }
+    const auto middle = between(a, b);
+    if (!middle) {
+      if (!alike) out.push_back(locate(a, b));
+      return;
+    }
+    scan(a, *middle, depth + 1, out);
+    scan(*middle, b, depth + 1, out);
+  }
+
+ private:
+  std::optional<Sighted> between(const Sighted& a, const Sighted& b) {
+    const Point middle = 0.5 * (a.f.x + b.f.x);
+    const auto f = correct(evaluate_, level_, middle, {residual_, (b.f.x - a.f.x).norm()});
+    if (!f) return std::nullopt;
+    return Sighted{*f, visibility_.look(evaluate_.map(), *f)};
+  }
+
+  // Bisection on the exact answer, down to rounding of x.
+  Change locate(Sighted a, Sighted b) {
+    const bool to_hidden = b.hidden();
+    const double rounding = evaluate_.map().rounding(a.f.x);
+    for (int i = 0; i < 100 && (b.f.x - a.f.x).norm() > 2.0 * rounding; ++i) {
+      const auto middle = between(a, b);
+      if (!middle) break;
+      (middle->hidden() == a.hidden() ? a : b) = *middle;
+    }
+    const Sighted& visible = to_hidden ? a : b;
+    const Sighted& hidden = to_hidden ? b : a;
+    return {visible.f, hidden.sight.ending, to_hidden};
+  }
+
+  const Visibility& visibility_;
+  Evaluator& evaluate_;
+  const LevelFunction& level_;
+  double residual_;
+};
+
+}  // namespace
+
+std::vector<Trace> visible_pieces(Trace trace, const Visibility& visibility, Evaluator& evaluate,
+                                  const LevelFunction& level, double residual) {
+  Cutter cutter(visibility, evaluate, level, residual);
+  std::vector<Trace> pieces;
+  const auto open_piece = [&](Ending ending) {
+    Trace piece;
+    piece.conditioning = trace.conditioning;
+    piece.clipped = trace.clipped;
+    piece.stalled = trace.stalled;
+    piece.ends = {ending};
+    pieces.push_back(std::move(piece));
+  };
+  std::size_t changes_seen = 0;
+  const std::size_t n = trace.vertices.size(), segments = trace.closed ? n : n - 1;
+  const Sighted first = cutter.sighted(trace.vertices[0].x);
+  bool open = !first.hidden();
+  if (open) {
+    open_piece(trace.closed ? Ending::limit : trace.ends[0]);
+    pieces.back().vertices.push_back(trace.vertices[0]);
+  }
+  Sighted a = first;
+  std::vector<Change> changes;
+  for (std::size_t i = 0; i < segments; ++i) {
+    const std::size_t next = (i + 1) % n;
+    const Sighted b = next == 0 ? first : cutter.sighted(trace.vertices[next].x);
+    changes.clear();
+    cutter.scan(a, b, 0, changes);
+    for (const Change& change : changes) {
+      ++changes_seen;
+      if (change.to_hidden == !open) continue;
+      if (!change.to_hidden) open_piece(change.ending);
+      pieces.back().vertices.push_back(make_vertex(evaluate.map(), level, change.at));
+      if (change.to_hidden) pieces.back().ends.push_back(change.ending);
+      open = !change.to_hidden;
+    }
+    if (open && next != 0) pieces.back().vertices.push_back(trace.vertices[next]);
+    a = b;
+  }
+  if (changes_seen == 0) {
+    if (open) return {std::move(trace)};
+    return {};
+  }
+  if (open && trace.closed) {
+    // The last piece runs on through the start of the closed curve.
+    Trace last = std::move(pieces.back());
+    pieces.pop_back();
+    if (pieces.empty()) return {std::move(trace)};
+    Trace& head = pieces.front();
+    head.vertices.insert(head.vertices.begin(), last.vertices.begin(), last.vertices.end());
+    head.ends[0] = last.ends[0];
+  } else if (open) {
+    pieces.back().ends.push_back(trace.ends[1]);
+  }
+  return pieces;
+}
+
+}  // namespace caustic::solver
