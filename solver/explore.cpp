@@ -19,7 +19,7 @@ constexpr int kBaseOfMany = 4;
 constexpr int kBoundaryDepth = 2;  // the domain's boundary passes, or something hides a part
 constexpr int kFieldDepth = 4;     // a, σ or q vary
 constexpr int kPoleDepth = 5;      // some rays leave the receiver's plane
-constexpr int kImageDepth = 20;    // the image is coarse against the window
+constexpr int kImageDepth = 24;    // the image is coarse against the window, or the light is near
 // The image of a cell inside the window: at most this share of the window's diagonal.
 constexpr double kImageShare = 0.2;
 // Largest difference between the middle and the mean of the corners, as a share of the largest.
@@ -29,7 +29,10 @@ constexpr double kImageVariation = 0.1;
 constexpr double kOvershoot = 0.5;
 // The samples' spread about the middle underestimates a cell's radius on curved charts.
 constexpr double kRadiusFactor = 1.3;
-constexpr std::size_t kMaxCells = 200000;
+// A cell must be smaller than this many distances from a point source, to see σ vary.
+constexpr double kSourceShare = 0.7;
+// After so many cells only boundaries and fields are refined: a scene that needs more is degenerate.
+constexpr std::size_t kDeepCells = 20000;
 
 constexpr int kFinest = 1 << kImageDepth;
 
@@ -51,6 +54,7 @@ class Explorer {
            const Hidden& hidden)
       : evaluate_(evaluate),
         domain_(domain),
+        system_(system),
         map_(evaluate.map()),
         hidden_(hidden),
         window_(system.receiver().half.norm() * 2.0) {
@@ -79,14 +83,17 @@ class Explorer {
   void keep(const Square& c, const View& view);
   std::vector<Corner> clip(int chart, std::vector<Corner> polygon);
   double hidden_share(const View& view);
+  bool near_source(const View& view) const;
   double coordinate(int i) const { return static_cast<double>(i) / (base_ * double(kFinest)); }
 
   Evaluator& evaluate_;
   const Domain& domain_;
+  const OpticalSystem& system_;
   const ForwardMap& map_;
   const Hidden& hidden_;
   double window_;
   int base_ = kBaseOfOne;
+  std::size_t seen_ = 0;
   Exploration result_;
   std::unordered_map<std::uint64_t, int> known_;
   std::unordered_map<int, bool> hidden_known_;
@@ -126,8 +133,11 @@ double Explorer::hidden_share(const View& view) {
   return hidden / 5.0;
 }
 
-// a, σ and q against the mean of the corners.
+// a, σ and q against the mean of the corners. Where a is all rounding there is nothing to resolve.
 bool Explorer::varies(const View& view) const {
+  int degenerate = 0;
+  for (int k = 0; k < 5; ++k) degenerate += view(result_, k).looks_degenerate();
+  if (degenerate >= 4) return false;
   double a = 0, flux = 0, a_max = 0, flux_max = 0;
   Vec2 q = Vec2::Zero();
   Span u, v;
@@ -147,21 +157,32 @@ bool Explorer::varies(const View& view) const {
          (m.q - q).norm() > kImageVariation * std::hypot(u.width(), v.width());
 }
 
+bool Explorer::near_source(const View& view) const {
+  const auto* point = std::get_if<PointLight>(&system_.light());
+  return point && view.radius > kSourceShare * (view(result_, 4).x - point->position).norm();
+}
+
 Explorer::Verdict Explorer::judge(const Square& c, View& view) {
+  const int deepest = seen_ < kDeepCells ? kImageDepth : kFieldDepth;
+  const Point& middle = view(result_, 4).x;
+  // Outside the aperture for sure? The bounds are 1-Lipschitz.
+  for (const auto& bound : map_.mirror().bounds) {
+    const double h = bound.value(middle);
+    if (bound.lower_bound_within(h, view.radius) > 0.0) return Verdict::discard;
+    view.cut |= h > -view.radius;
+  }
+  if (near_source(view)) {
+    if (c.depth < deepest) return Verdict::refine;
+    ++result_.unresolved;
+    return Verdict::discard;
+  }
+
   int finite = 0;
   for (int k = 0; k < 5; ++k) finite += view(result_, k).finite;
   if (finite < 5) {
     if (c.depth < (finite == 0 ? 2 : kPoleDepth)) return Verdict::refine;
     result_.unresolved += finite > 0;
     return Verdict::discard;
-  }
-
-  // Outside the aperture for sure? The bounds are 1-Lipschitz.
-  const Point& middle = view(result_, 4).x;
-  for (const auto& bound : map_.mirror().bounds) {
-    const double h = bound.value(middle);
-    if (bound.lower_bound_within(h, view.radius) > 0.0) return Verdict::discard;
-    view.cut |= h > -view.radius;
   }
 
   // Light arrives in the window where |P| <= half·|m·D| with P = q (m·D), which is smooth also where
@@ -194,7 +215,7 @@ Explorer::Verdict Explorer::judge(const Square& c, View& view) {
   if (behind > view.radius) return Verdict::discard;
   view.cut |= !cosine.positive() || behind > -view.radius;
 
-  if (c.depth < kImageDepth && std::hypot(u.width(), v.width()) > kImageShare * window_) {
+  if (c.depth < deepest && std::hypot(u.width(), v.width()) > kImageShare * window_) {
     return Verdict::refine;
   }
   if (c.depth < kFieldDepth && varies(view)) return Verdict::refine;
@@ -269,12 +290,12 @@ Exploration Explorer::run() {
       if (evaluate_.budget().exhausted()) return std::move(result_);
       const Square c = stack.back();
       stack.pop_back();
+      ++seen_;
       View view = look(c);
       const Verdict verdict = judge(c, view);
       if (verdict == Verdict::discard) {
         ++result_.discarded;
-      } else if (verdict == Verdict::keep || result_.cells.size() + stack.size() > kMaxCells) {
-        result_.unresolved += verdict == Verdict::refine;
+      } else if (verdict == Verdict::keep) {
         keep(c, view);
       } else {
         const int half = c.size / 2;

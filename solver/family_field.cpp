@@ -7,15 +7,11 @@ namespace caustic::solver {
 
 namespace {
 
-// a below this share of |∂q/∂s|² + |∂q/∂t|² everywhere is zero to rounding; so are ∂q below it.
-constexpr double kDegenerateShare = 1e-9;
+// Where more than this share of the samples in the window is degenerate, the family is: rounding
+// makes up the rest, near rays that are parallel to the receiver.
+constexpr double kDegenerateSamples = 0.9;
 // φ that varies by less than this share over the whole window is constant.
 constexpr double kUniformShare = 1e-10;
-
-bool looks_degenerate(const FieldPoint& f) {
-  const double stretch = f.q_s.squaredNorm() + f.q_t.squaredNorm();
-  return std::abs(f.a) <= kDegenerateShare * stretch || stretch <= kDegenerateShare * kDegenerateShare;
-}
 
 }  // namespace
 
@@ -44,7 +40,7 @@ void FamilyField::explore(Budget& budget) {
 void FamilyField::measure() {
   phi_min = geometry::kInfinity;
   phi_max = -geometry::kInfinity;
-  bool any = false, all_degenerate = true;
+  int all = 0, degenerate_samples = 0;
   for (const Cell& cell : exploration.cells) {
     const double visible = 1.0 - cell.hidden;
     if (visible <= 0.0) continue;
@@ -52,8 +48,8 @@ void FamilyField::measure() {
     int lit = 0;
     for (const Corner& corner : cell.polygon) {
       const FieldPoint& f = exploration.samples[corner.sample];
-      any = true;
-      all_degenerate &= looks_degenerate(f);
+      ++all;
+      degenerate_samples += f.looks_degenerate();
       if (!(f.flux > 0.0)) continue;
       const double phi = f.inverse_irradiance();
       phi_min = std::min(phi_min, phi);
@@ -68,9 +64,9 @@ void FamilyField::measure() {
     const double area = visible * image_area(exploration, cell);
     if (phi != 0.0 && area > 0.0) samples.push_back({1.0 / std::abs(phi), area});
   }
-  degenerate = any && all_degenerate;
+  degenerate = all > 0 && degenerate_samples >= kDegenerateSamples * all;
   const double size = std::max(std::abs(phi_min), std::abs(phi_max));
-  uniform = any && phi_max - phi_min <= kUniformShare * size;
+  uniform = all > 0 && phi_max - phi_min <= kUniformShare * size;
 }
 
 }  // namespace caustic::solver

@@ -68,6 +68,10 @@ namespace {
 // A ray exactly parallel to the receiver arrives this many lengths away instead of nowhere, so that
 // the pole of (S4) stays a number; its square still fits a double after two derivatives.
 constexpr double kParallel = 1e-30;
+// a below this share of |∂q/∂s|² + |∂q/∂t|² is zero to rounding; so are |∂q| below it.
+constexpr double kDegenerateShare = 1e-9;
+// Least natural scale of a, in squared stretches of the map.
+constexpr double kLeastScale = 1e-6;
 
 Jet row(const Mat36& m, int i) { return {m(i, 0), m(i, 1), m(i, 2), m(i, 3), m(i, 4), m(i, 5)}; }
 
@@ -158,6 +162,18 @@ FieldPoint ForwardMap::evaluate(const Point& x) const {
   f.finite = std::isfinite(f.a) && f.grad_a.allFinite() && std::isfinite(f.flux) &&
              f.grad_flux.allFinite() && f.q.allFinite();
   return f;
+}
+
+double FieldPoint::scale_of_a() const {
+  const double uu = q_s.x() * q_s.x() + q_t.x() * q_t.x();
+  const double vv = q_s.y() * q_s.y() + q_t.y() * q_t.y();
+  return std::max(std::sqrt(uu * vv), kLeastScale * (uu + vv));
+}
+
+bool FieldPoint::looks_degenerate() const {
+  const double stretch = q_s.squaredNorm() + q_t.squaredNorm();
+  return std::abs(a) <= kDegenerateShare * stretch ||
+         stretch <= kDegenerateShare * kDegenerateShare;
 }
 
 Vec2 FieldPoint::irradiance_gradient() const {

@@ -36,11 +36,12 @@ struct FieldPoint {
   /// Signed inverse irradiance φ.
   double inverse_irradiance() const { return a / flux; }
   double irradiance() const { return flux / std::abs(a); }
-  /// |∇q₁||∇q₂|, the natural scale of a.
-  double scale_of_a() const {
-    return std::sqrt((q_s.x() * q_s.x() + q_t.x() * q_t.x()) *
-                     (q_s.y() * q_s.y() + q_t.y() * q_t.y()));
-  }
+  /// The natural scale of a: |∇q₁||∇q₂|, but no less than kLeastScale of the squared stretch, since on
+  /// a caustic whose image runs along a receiver axis one of the two vanishes with a.
+  double scale_of_a() const;
+  /// True where a is zero to rounding against the stretch of the map, or the map shrinks all to a
+  /// point: light that is focused perfectly, or sampled right on a caustic.
+  bool looks_degenerate() const;
   /// (∂E/∂q₁, ∂E/∂q₂), (S7).
   Vec2 irradiance_gradient() const;
   /// Gradient of φ along the surface.

@@ -214,8 +214,10 @@ bool Tracer::closes(const Node& a, const Node& b) {
 // and fall inside the step shows in the cubic through both ends.
 std::optional<double> Tracer::leaves(int i, const Node& a, const Node& b) {
   const double ha = domain_.value(i, a.f), hb = domain_.value(i, b.f), ds = b.s - a.s;
-  if (hb > 0.0) return b.s;
   const double da = domain_.gradient(i, a.f).dot(a.t) * ds, db = domain_.gradient(i, b.f).dot(b.t) * ds;
+  // Two boundaries may coincide; the one that was located first keeps the end.
+  const double fuzz = 16.0 * evaluate_.map().rounding(b.f.x) * (1.0 + std::abs(db) / ds);
+  if (hb > fuzz) return b.s;
   if (da <= 0.0 || db >= 0.0 || std::max(ha, hb) + 0.25 * std::max(da, -db) <= 0.0) {
     return std::nullopt;
   }

@@ -99,6 +99,8 @@ void run(Task& task, Budget& budget, double chord, double residual) {
   std::vector<Trace> whole;
   for (const Seed& seed : task.seeds) {
     if (budget.exhausted()) break;
+    // At a silhouette where a vanishes too all levels meet, and none can be followed.
+    if (!evaluate(seed.x).lit()) continue;
     const auto f = settle(seed, evaluate, *task.field, task.level, residual);
     if (!f) {
       ++task.lost_seeds;

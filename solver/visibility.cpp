@@ -14,8 +14,10 @@ namespace {
 // end of a segment, as a share of it, do not block.
 constexpr double kLightEndShare = 1e-9;
 constexpr double kReceiverEndShare = 1e-12;
-// The crossing at the segment's own beginning is looked for this share before it.
+// The crossing at the segment's own beginning is looked for within this share of it, and within so
+// many roundings of its place.
 constexpr double kOwnShare = 1e-7;
+constexpr double kOwnRoundings = 1e3;
 
 double margin_of(const std::vector<geometry::Bound>& bounds, const Point& x) {
   double worst = -geometry::kInfinity;
@@ -76,16 +78,18 @@ double Visibility::clearance(const Segment& segment, int index) const {
   thread_local RayParameters roots, still;
   roots.clear();
   still.clear();
-  shape->crossings(ray, own ? -kOwnShare : 0.0, 1.0, roots);
+  const double length = ray.direction.norm();
+  const double near = kOwnShare + kOwnRoundings * geometry::kEpsilon *
+                                      (ray.origin.cwiseAbs().maxCoeff() + system_.diameter()) / length;
+  shape->crossings(ray, own ? -near : 0.0, 1.0, roots);
   if (own && !roots.empty()) {
     // The one crossing where the segment begins is not in its way.
     const auto first = std::min_element(roots.begin(), roots.end(), [](double a, double b) {
       return std::abs(a) < std::abs(b);
     });
-    if (std::abs(*first) <= kOwnShare) roots.erase(first);
+    if (std::abs(*first) <= near) roots.erase(first);
   }
   shape->stationary(ray, 0.0, 1.0, still);
-  const double length = ray.direction.norm();
 
   double free = geometry::kInfinity, depth = 0.0, deepest = geometry::kInfinity;
   if (!still.empty()) deepest = 0.0;
