@@ -16,19 +16,25 @@ constexpr double kRoundings = 4.0;
 
 std::optional<FieldPoint> correct(Evaluator& evaluate, const LevelFunction& f, const Point& x,
                                   const CorrectorOptions& options) {
-  FieldPoint at = evaluate.on_surface(x);
+  const auto at = correct(evaluate, f, evaluate.on_surface(x), options);
+  return at && (at->x - x).norm() <= options.trust ? at : std::nullopt;
+}
+
+std::optional<FieldPoint> correct(Evaluator& evaluate, const LevelFunction& f,
+                                  const FieldPoint& start, const CorrectorOptions& options) {
+  FieldPoint at = start;
   double previous = geometry::kInfinity;
   for (int i = 0; i < kMaxSteps; ++i) {
-    if (!at.finite || (at.x - x).norm() > options.trust) return std::nullopt;
+    if (!at.finite || (at.x - start.x).norm() > options.trust) return std::nullopt;
     const double residual = f.residual(at);
     const double floor = kRoundings * f.residual_of_rounding(at, evaluate.map().rounding(at.x));
-    if (residual <= std::max(options.residual, floor)) return at;
+    const Vec3 slope = f.gradient(at);
+    const Vec3 step = -(f.value(at) / slope.squaredNorm()) * slope;
+    if (residual <= floor) return at;
+    if (residual <= options.residual && step.norm() <= options.position) return at;
     // No progress any more, although close: rounding inside f, not of x, is the limit.
     if (i > 2 && residual >= 0.5 * previous && residual < 1e3 * floor + 1e-9) return at;
     previous = residual;
-
-    const Vec3 slope = f.gradient(at);
-    const Vec3 step = -(f.value(at) / slope.squaredNorm()) * slope;
     if (!step.allFinite()) return std::nullopt;
     at = evaluate.on_surface(at.x + step);
   }

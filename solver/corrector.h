@@ -10,8 +10,10 @@
 namespace caustic::solver {
 
 struct CorrectorOptions {
-  /// Accept once the residual of the level function is below this, or below what rounding allows.
+  /// Accept once the residual of the level function is below this (or what rounding allows)
   double residual = 1e-11;
+  /// and its distance from the curve, by Newton's next step, is below this, m.
+  double position = geometry::kInfinity;
   /// Give up if the point moves further than this from where it started, m.
   double trust = geometry::kInfinity;
 };
@@ -20,6 +22,9 @@ struct CorrectorOptions {
 /// Newton's method leaves the trust region or does not converge.
 std::optional<FieldPoint> correct(Evaluator& evaluate, const LevelFunction& f, const Point& x,
                                   const CorrectorOptions& options);
+/// The same from a point of the surface that has been evaluated.
+std::optional<FieldPoint> correct(Evaluator& evaluate, const LevelFunction& f,
+                                  const FieldPoint& start, const CorrectorOptions& options);
 
 /// The point next to x where the curve crosses the domain's boundary number `end`.
 std::optional<FieldPoint> correct_at_end(Evaluator& evaluate, const LevelFunction& f,

@@ -27,6 +27,8 @@ constexpr double kFieldVariation = 0.2;
 constexpr double kImageVariation = 0.1;
 // How far beyond the samples of a cell its values may reach, in their spread.
 constexpr double kOvershoot = 0.5;
+// Corners on the domain's boundary are as near to it as this share of the edge they cut.
+constexpr double kClipShare = 1e-6;
 // The samples' spread about the middle underestimates a cell's radius on curved charts.
 constexpr double kRadiusFactor = 1.3;
 // A cell must be smaller than this many distances from a point source, to see σ vary.
@@ -245,7 +247,7 @@ std::vector<Corner> Explorer::clip(int chart, std::vector<Corner> polygon) {
         const Point x = result_.charts[chart].point(a.s + w * (b.s - a.s), a.t + w * (b.t - a.t));
         return domain_.value(boundary, evaluate_(x));
       };
-      const double small = 1e-10 * (std::abs(ha) + std::abs(hb));
+      const double small = kClipShare * (std::abs(ha) + std::abs(hb));
       const double w = geometry::illinois_root(
           value, [&](double, double v) { return std::abs(v) <= small; }, 0.0, 1.0, ha, hb);
       cut.s = a.s + w * (b.s - a.s);

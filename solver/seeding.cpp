@@ -14,6 +14,9 @@ namespace {
 // φ is infinite on the silhouette; flux below this share of what falls on the mirror's face there
 // is rounding.
 constexpr double kDarkCosine = 1e-9;
+// A seed is good enough for Newton's method when f is down to this share of its values at the ends.
+constexpr double kSeedShare = 0.1;
+constexpr double kFlatShare = 0.05;
 
 double phi(const FieldPoint& f) {
   if (f.cos_alpha <= kDarkCosine) return std::copysign(geometry::kInfinity, f.a);
@@ -79,20 +82,17 @@ class Seeder {
             const Path& path) {
     const LevelFunction& f = targets_[target];
     const double fa = f.value(a), fb = f.value(b);
-    Point x = fa == 0.0 ? a.x : b.x;
-    if (fa != 0.0 && fb != 0.0 && (fa > 0.0) != (fb > 0.0)) {
-      const double near = 1e-2 * std::min(std::abs(fa), std::abs(fb));
-      const auto value = [&](double w) {
-        const FieldPoint at = path(w);
-        x = at.x;
-        return f.value(at);
-      };
+    FieldPoint at = fa == 0.0 ? a : b;
+    if (fa != 0.0 && fb != 0.0) {
+      if ((fa > 0.0) == (fb > 0.0)) return;
+      // Next to an end that may be a critical point f is flat, and Newton's method wants more.
+      const auto [least, largest] = std::minmax({std::abs(fa), std::abs(fb)});
+      const double near = kSeedShare * (least < kFlatShare * largest ? least : largest);
+      const auto value = [&](double w) { return f.value(at = path(w)); };
       geometry::illinois_root(value, [&](double, double v) { return std::abs(v) <= near; }, 0.0,
                               1.0, fa, fb);
-    } else if (fa != 0.0 && fb != 0.0) {
-      return;
     }
-    seeds.push_back({target, x, cell.radius});
+    seeds.push_back({target, at, cell.radius});
   }
 
   // Where φ along an edge turns back and passes a level that neither end shows, by the cubic through

@@ -11,7 +11,7 @@ namespace caustic::solver {
 /// A place on { f = 0 } of one level function, to a share of a cell; the corrector does the rest.
 struct Seed {
   int target;   ///< index of its level function
-  Point x;
+  FieldPoint at;
   double reach; ///< size of the cell it comes from, m
 };
 

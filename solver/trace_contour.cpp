@@ -14,17 +14,23 @@ namespace caustic::solver {
 namespace {
 
 // Predictor's error per unit of arc. Newton squares it, so one correction reaches rounding.
-constexpr double kPredictorError = 1e-7;
+constexpr double kPredictorError = 1e-5;
 // Largest turn of the tangent in one step, so that no step can hide a loop: cos 0.5.
 constexpr double kMinTurnCosine = 0.8775825618903728;
 // The corrector may move a point by this share of the step; more means another branch.
 constexpr double kTrustShare = 0.05;
+// The corrector brings points to the curve within this share of the step; near a critical value of E
+// a small residual alone would not.
+constexpr double kPositionShare = 1e-7;
 // Largest motion on the receiver in one step, in widths of it.
 constexpr double kMaxReceiverStep = 0.5;
 // Steps shorter than this many roundings of x are a stall.
 constexpr double kMinStepRoundings = 1e3;
 // Share of the chord tolerance that is used, since the estimate is of third order only.
 constexpr double kChordShare = 0.8;
+// A curve is closed when it comes back to its start within this share of the last piece: above the
+// corrector's error, far below the distance of another branch that a step could confuse it with.
+constexpr double kClosureShare = 1e-4;
 constexpr int kMaxInserted = 64;   // vertices in one step
 constexpr int kMaxPending = 24;    // of them not yet accepted
 
@@ -62,15 +68,14 @@ double chord_error(const Node& a, const Node& b) {
 class Tracer final : public DirectionField {
  public:
   Tracer(Evaluator& evaluate, const Domain& domain, const LevelFunction& level,
-         const TraceOptions& options, Trace& trace)
+         const TraceOptions& options)
       : evaluate_(evaluate),
         domain_(domain),
         level_(level),
         options_(options),
-        trace_(trace),
         predictor_(*this) {}
 
-  Stop follow(const FieldPoint& seed, double sign, std::vector<CurveVertex>& out);
+  Stop follow(const FieldPoint& seed, double sign, Trace& out);
 
   bool direction(const Point& x, Vec3& t) override {
     const FieldPoint f = evaluate_(x);
@@ -78,10 +83,12 @@ class Tracer final : public DirectionField {
     return f.finite && t.squaredNorm() > 0.5;
   }
 
-  CurveVertex vertex(const FieldPoint& f) {
+  // Tangents point the way of the positive direction, whichever way we go.
+  void append(const FieldPoint& f, Trace& out) {
     const double rounding = evaluate_.map().rounding(f.x);
-    trace_.conditioning = std::max(trace_.conditioning, level_.residual_of_rounding(f, rounding));
-    return make_vertex(evaluate_.map(), level_, f);
+    out.conditioning = std::max(out.conditioning, level_.residual_of_rounding(f, rounding));
+    out.vertices.push_back(make_vertex(evaluate_.map(), level_, f));
+    out.tangents.push_back(level_.tangent(f));
   }
 
  private:
@@ -94,7 +101,7 @@ class Tracer final : public DirectionField {
   double split(const Node& a, const Node& b) const;
   std::optional<Node> cusp_between(const Node& a, const Node& b);
   std::optional<Stop> stop_at_start(const Node& start) const;
-  std::optional<Stop> accept(const Node& a, const Node& b, std::vector<CurveVertex>& out);
+  std::optional<Stop> accept(const Node& a, const Node& b, Trace& out);
   bool closes(const Node& a, const Node& b);
   std::optional<double> leaves(int boundary, const Node& a, const Node& b);
   FieldPoint end_between(int boundary, const Node& a, const Node& b);
@@ -103,7 +110,6 @@ class Tracer final : public DirectionField {
   const Domain& domain_;
   const LevelFunction& level_;
   const TraceOptions& options_;
-  Trace& trace_;
   Predictor predictor_;
   double sign_ = 1.0;
   double ds_ = 0.0;        // next step
@@ -122,7 +128,7 @@ std::optional<Node> Tracer::advance(const Node& from) {
       const double allowed = std::max(kPredictorError * ds_, 4.0 * rounding);
       factor = std::clamp(0.9 * std::pow(allowed / std::max(step.error, 1e-300), 0.2), 0.2, 3.0);
       if (step.error <= allowed) {
-        const auto f = correct(evaluate_, level_, step.end, {options_.residual, kTrustShare * ds_});
+        const auto f = correct(evaluate_, level_, step.end, {options_.residual, kPositionShare * ds_, kTrustShare * ds_});
         if (f && f->facing * from.f.facing > 0.0) {
           Node to = node(*f, ds_);
           const bool short_enough =
@@ -144,7 +150,7 @@ std::optional<Node> Tracer::advance(const Node& from) {
 // The curve's point at arc s of the current step, between two of its nodes.
 std::optional<Node> Tracer::between(const Node& a, const Node& b, double s) {
   const auto f = correct(evaluate_, level_, predictor_.at(s / step_),
-                         {options_.residual, (b.f.x - a.f.x).norm()});
+                         {options_.residual, kPositionShare * step_, (b.f.x - a.f.x).norm()});
   if (!f) return std::nullopt;
   return node(*f, s);
 }
@@ -207,7 +213,7 @@ bool Tracer::closes(const Node& a, const Node& b) {
                           a.s, b.s, before, after);
   if (after == 0.0) at = b;
   // What is left is across the curve, where the corrector is exact.
-  return at && (at->f.x - x0).norm() <= 1e-6 * length + 1e3 * rounding;
+  return at && (at->f.x - x0).norm() <= kClosureShare * length + 1e3 * rounding;
 }
 
 // Arc at which the curve is certainly beyond boundary i, if it gets there between a and b. A rise
@@ -248,12 +254,12 @@ FieldPoint Tracer::end_between(int i, const Node& a, const Node& b) {
       h, [&](double, double value) { return std::abs(value) <= near; }, a.s, b.s, ha,
       domain_.value(i, b.f));
   const auto end = correct_at_end(evaluate_, level_, domain_, i, predictor_.at(s / step_),
-                                  {options_.residual, length});
+                                  {options_.residual, geometry::kInfinity, length});
   return end ? *end : inside.f;
 }
 
 // Takes the piece from a to b, unless the curve closes or ends on it.
-std::optional<Stop> Tracer::accept(const Node& a, const Node& b, std::vector<CurveVertex>& out) {
+std::optional<Stop> Tracer::accept(const Node& a, const Node& b, Trace& out) {
   if (closes(a, b)) return Stop{true, {}, false, false};
   int boundary = -1;
   Node end = b;
@@ -270,7 +276,7 @@ std::optional<Stop> Tracer::accept(const Node& a, const Node& b, std::vector<Cur
   }
   const bool moved = (end.f.x - a.f.x).norm() > 16.0 * evaluate_.map().rounding(a.f.x);
   if (moved || boundary < 0) {
-    out.push_back(vertex(end.f));
+    append(end.f, out);
     ++accepted_;
     evaluate_.budget().spend_vertices(1);
   }
@@ -279,7 +285,7 @@ std::optional<Stop> Tracer::accept(const Node& a, const Node& b, std::vector<Cur
 }
 
 // Follows the curve from the seed (not part of `out`) in one direction.
-Stop Tracer::follow(const FieldPoint& seed, double sign, std::vector<CurveVertex>& out) {
+Stop Tracer::follow(const FieldPoint& seed, double sign, Trace& out) {
   sign_ = sign;
   ds_ = options_.first_step;
   accepted_ = 0;
@@ -333,20 +339,22 @@ CurveVertex make_vertex(const ForwardMap& map, const LevelFunction& level, const
 
 Trace trace_contour(Evaluator& evaluate, const Domain& domain, const LevelFunction& level,
                     const FieldPoint& seed, const TraceOptions& options) {
-  Trace trace;
-  Tracer tracer(evaluate, domain, level, options, trace);
-  std::vector<CurveVertex> ahead;
+  Trace trace, ahead;
+  Tracer tracer(evaluate, domain, level, options);
   const Stop front = tracer.follow(seed, 1.0, ahead);
   if (!front.closed) {
-    const Stop back = tracer.follow(seed, -1.0, trace.vertices);
+    const Stop back = tracer.follow(seed, -1.0, trace);
     std::reverse(trace.vertices.begin(), trace.vertices.end());
+    std::reverse(trace.tangents.begin(), trace.tangents.end());
     trace.ends = {back.ending, front.ending};
     trace.clipped = back.clipped || front.clipped;
     trace.stalled = back.stalled || front.stalled;
   }
   trace.closed = front.closed;
-  trace.vertices.push_back(tracer.vertex(seed));
-  trace.vertices.insert(trace.vertices.end(), ahead.begin(), ahead.end());
+  tracer.append(seed, trace);
+  trace.vertices.insert(trace.vertices.end(), ahead.vertices.begin(), ahead.vertices.end());
+  trace.tangents.insert(trace.tangents.end(), ahead.tangents.begin(), ahead.tangents.end());
+  trace.conditioning = std::max(trace.conditioning, ahead.conditioning);
   return trace;
 }
 

@@ -18,6 +18,7 @@ struct TraceOptions {
 
 struct Trace {
   std::vector<CurveVertex> vertices;  ///< arc_length not yet filled in
+  std::vector<Vec3> tangents;         ///< unit tangents on the mirror, along the order of vertices
   bool closed = false;
   std::vector<Ending> ends;   ///< at the first and the last vertex; none if closed
   bool clipped = false;       ///< an end lies on the clip ball

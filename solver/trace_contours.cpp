@@ -26,7 +26,9 @@ constexpr double kResidualShare = 0.1;
 constexpr double kResidual = 1e-9;
 // A level this near to a critical value is moved off it.
 constexpr double kCriticalShare = 1e-9;
-constexpr double kFirstStepShare = 0.25;  // of the seed's cell
+// Shares of the seed's cell: first step, and how near to the curve the corrector brings the seed.
+constexpr double kFirstStepShare = 0.25;
+constexpr double kSeedPosition = 1e-9;
 
 // All curves of one level function on one field.
 struct Task {
@@ -38,10 +40,27 @@ struct Task {
   std::size_t lost_seeds = 0;
 };
 
-// Is a seed on a curve that has been traced? Near its nearest vertex, the curve between vertices is
-// where the corrector takes their chord.
-bool visited(const std::vector<Trace>& traces, const FieldPoint& seed, Evaluator& evaluate,
-             const LevelFunction& level, double residual) {
+// A point against the cubic through two vertices with their tangents.
+struct Gap {
+  Point foot;
+  double off, sagitta;
+};
+std::optional<Gap> gap_to_cubic(const Trace& trace, std::size_t i, std::size_t j, const Point& x) {
+  const Point &a = trace.vertices[i].x, &b = trace.vertices[j].x;
+  const Vec3 chord = b - a;
+  const double length = chord.norm(), w = chord.dot(x - a) / (length * length), v = 1.0 - w;
+  if (!(w >= -1e-3 && w <= 1.0 + 1e-3)) return std::nullopt;
+  const Vec3 bulge = (length * w * v * v) * (trace.tangents[i] - chord / length) -
+                     (length * w * w * v) * (trace.tangents[j] - chord / length);
+  const Point foot = a + w * chord + bulge;
+  return Gap{foot, (x - foot).norm(), bulge.norm() + 1e-3 * length * w * v};
+}
+
+// Is a seed on a curve that has been traced? Surely within a twentieth of the sagitta from the cubic,
+// since that is off by a fourth order only, and a curve that passes nearer does so elsewhere too; up
+// to some sagittas the corrector tells, from the cubic's point next to the seed.
+bool visited(const std::vector<Trace>& traces, const FieldPoint& seed, double fuzz,
+             Evaluator& evaluate, const LevelFunction& level) {
   for (const Trace& trace : traces) {
     const auto& vertices = trace.vertices;
     const std::size_t n = vertices.size();
@@ -54,25 +73,17 @@ bool visited(const std::vector<Trace>& traces, const FieldPoint& seed, Evaluator
         nearest = i;
       }
     }
-    // The corrector leaves points this far off the curve.
-    const double fuzz = 4.0 * residual / level.residual_of_rounding(seed, 1.0) +
-                        100.0 * evaluate.map().rounding(seed.x);
     if (least <= fuzz * fuzz) return true;
-    for (const int step : {-1, 0}) {
-      if (!trace.closed && (nearest + step + 1 > n - 1 || nearest + step + 1 < 1)) continue;
-      const Point& a = vertices[(nearest + n + step) % n].x;
-      const Point& b = vertices[(nearest + n + step + 1) % n].x;
-      const Vec3 chord = b - a;
-      const double length = chord.norm(), w = chord.dot(seed.x - a) / (length * length);
-      if (!(w >= -1e-3 && w <= 1.0 + 1e-3)) continue;
-      const Point foot = a + w * chord;
-      const double off = (seed.x - foot).norm();
-      if (off > 0.25 * length) continue;
-      const auto on_curve = correct(evaluate, level, foot, {residual, length});
+    for (const std::size_t begin : {(nearest + n - 1) % n, nearest}) {
+      if (!trace.closed && begin == n - 1) continue;
+      const auto gap = gap_to_cubic(trace, begin, (begin + 1) % n, seed.x);
+      if (!gap || gap->off > 4.0 * gap->sagitta + fuzz) continue;
+      if (gap->off <= 0.05 * gap->sagitta + fuzz) return true;
+      const auto on_curve = correct(evaluate, level, gap->foot,
+                                    {1e-12, geometry::kInfinity, 2.0 * gap->off});
       if (!on_curve) continue;
-      const Vec3 gap = on_curve->x - seed.x;
-      const double across = (gap - chord * (chord.dot(gap) / (length * length))).norm();
-      if (across <= 0.05 * off + fuzz) return true;
+      const Vec3 apart = on_curve->x - seed.x, t = level.tangent(seed);
+      if ((apart - t * t.dot(apart)).norm() <= 0.2 * gap->off + fuzz) return true;
     }
   }
   return false;
@@ -81,8 +92,8 @@ bool visited(const std::vector<Trace>& traces, const FieldPoint& seed, Evaluator
 // The seed on its curve and inside the domain or on its boundary.
 std::optional<FieldPoint> settle(const Seed& seed, Evaluator& evaluate, const FamilyField& field,
                                  const LevelFunction& level, double residual) {
-  const CorrectorOptions options{residual, seed.reach};
-  auto f = correct(evaluate, level, seed.x, options);
+  const CorrectorOptions options{residual, kSeedPosition * seed.reach, seed.reach};
+  auto f = correct(evaluate, level, seed.at, options);
   if (!f) return std::nullopt;
   const auto worst = field.domain.worst(*f);
   const double slack = 100.0 * evaluate.map().rounding(f->x);
@@ -100,13 +111,15 @@ void run(Task& task, Budget& budget, double chord, double residual) {
   for (const Seed& seed : task.seeds) {
     if (budget.exhausted()) break;
     // At a silhouette where a vanishes too all levels meet, and none can be followed.
-    if (!evaluate(seed.x).lit()) continue;
+    if (!seed.at.lit()) continue;
     const auto f = settle(seed, evaluate, *task.field, task.level, residual);
     if (!f) {
       ++task.lost_seeds;
       continue;
     }
-    if (visited(whole, *f, evaluate, task.level, residual)) continue;
+    // The corrector leaves points no further off the curve than this.
+    const double fuzz = 4.0 * kSeedPosition * seed.reach + 1e3 * evaluate.map().rounding(f->x);
+    if (visited(whole, *f, fuzz, evaluate, task.level)) continue;
     const TraceOptions options{chord, residual, kFirstStepShare * seed.reach};
     Trace trace = trace_contour(evaluate, task.field->domain, task.level, *f, options);
     if (trace.vertices.size() > 1) whole.push_back(std::move(trace));

@@ -62,7 +62,7 @@ class Cutter {
  private:
   std::optional<Sighted> between(const Sighted& a, const Sighted& b) {
     const Point middle = 0.5 * (a.f.x + b.f.x);
-    const auto f = correct(evaluate_, level_, middle, {residual_, (b.f.x - a.f.x).norm()});
+    const auto f = correct(evaluate_, level_, middle, {residual_, geometry::kInfinity, (b.f.x - a.f.x).norm()});
     if (!f) return std::nullopt;
     return Sighted{*f, visibility_.look(evaluate_.map(), *f)};
   }
