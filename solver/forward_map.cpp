@@ -8,7 +8,6 @@ namespace caustic::solver {
 
 using geometry::Jet;
 using geometry::Mat3;
-using Mat36 = Eigen::Matrix<double, 3, 6>;  // a vector's jet: columns v, s, t, ss, st, tt
 
 ForwardMap::ForwardMap(const OpticalSystem& system, int surface, int side)
     : mirror_(&system.surfaces()[surface]),
@@ -73,8 +72,6 @@ constexpr double kDegenerateShare = 1e-9;
 // Least natural scale of a, in squared stretches of the map.
 constexpr double kLeastScale = 1e-6;
 
-Jet row(const Mat36& m, int i) { return {m(i, 0), m(i, 1), m(i, 2), m(i, 3), m(i, 4), m(i, 5)}; }
-
 }  // namespace
 
 FieldPoint ForwardMap::evaluate(const Point& x) const {
@@ -90,53 +87,58 @@ FieldPoint ForwardMap::evaluate(const Point& x) const {
   f.e1 = frame.e1;
   f.e2 = frame.e2;
 
-  // The surface and its gradient as jets (S1), (S2).
-  const Vec3 H1 = g.hessian * f.e1, H2 = g.hessian * f.e2, Hg = g.hessian * g_hat * inverse_norm;
-  const double h11 = f.e1.dot(H1), h12 = f.e1.dot(H2), h22 = f.e2.dot(H2);
-  Mat36 N;
-  N << G, H1, H2, -h11 * Hg, -h12 * Hg, -h22 * Hg;
+  // Receiver axes from here on. The surface and its gradient as jets (S1), (S2); for quadrics the
+  // second derivatives of N are multiples of Hĝ/|∇g|.
+  const Mat3& R = to_receiver_;
+  const Vec3 N = R * G, N_s = R * (g.hessian * f.e1), N_t = R * (g.hessian * f.e2);
+  const Vec3 e1 = R * f.e1, e2 = R * f.e2, bend = N * (-1.0 / NN0);  // x_ij = h_ij · bend
+  const Vec3 Hg = R * (g.hessian * G);
+  const double h11 = e1.dot(N_s), h12 = e1.dot(N_t), h22 = e2.dot(N_t);
+  Vec3 N_ss = (-h11 / NN0) * Hg, N_st = (-h12 / NN0) * Hg, N_tt = (-h22 / NN0) * Hg;
   if (!quadratic_) {
-    N.col(3) += shape().third_derivative(x, f.e1, f.e1);
-    N.col(4) += shape().third_derivative(x, f.e1, f.e2);
-    N.col(5) += shape().third_derivative(x, f.e2, f.e2);
+    N_ss += R * shape().third_derivative(x, f.e1, f.e1);
+    N_st += R * shape().third_derivative(x, f.e1, f.e2);
+    N_tt += R * shape().third_derivative(x, f.e2, f.e2);
   }
-  const Vec3 bend = -g_hat * inverse_norm;  // x_ij = h_ij · bend
 
   // d·N and N·N. d moves with x for a point source: d_s = e₁, and e₁·N = 0.
-  const Vec3 d = incident(x);
+  const Vec3 d_world = incident(x), d = R * d_world;
   const double moves = point_source_ ? 1.0 : 0.0;
-  const Eigen::Matrix<double, 1, 6> dN_row = d.transpose() * N, GN = G.transpose() * N;
-  const Jet dN{dN_row[0],
-               dN_row[1],
-               dN_row[2],
-               dN_row[3] + moves * h11,
-               dN_row[4] + moves * h12,
-               dN_row[5] + moves * h22};
+  const Jet dN{d.dot(N),
+               d.dot(N_s),
+               d.dot(N_t),
+               d.dot(N_ss) + moves * h11,
+               d.dot(N_st) + moves * h12,
+               d.dot(N_tt) + moves * h22};
   const Jet NN{NN0,
-               2.0 * GN[1],
-               2.0 * GN[2],
-               2.0 * (H1.dot(H1) + GN[3]),
-               2.0 * (H1.dot(H2) + GN[4]),
-               2.0 * (H2.dot(H2) + GN[5])};
+               2.0 * N.dot(N_s),
+               2.0 * N.dot(N_t),
+               2.0 * (N_s.dot(N_s) + N.dot(N_ss)),
+               2.0 * (N_s.dot(N_t) + N.dot(N_st)),
+               2.0 * (N_t.dot(N_t) + N.dot(N_tt))};
   const Jet kappa = 2.0 * (dN / NN);
 
-  // Everything from here on in receiver axes: position, reflected direction (S3), arrival (S4).
-  Mat36 Y;
-  Y << x - receiver_->origin, f.e1, f.e2, h11 * bend, h12 * bend, h22 * bend;
-  Y = to_receiver_ * Y;
-  N = to_receiver_ * N;
-  const Vec3 d_local = to_receiver_ * d;
-  Jet D[3];
-  for (int i = 0; i < 3; ++i) {
-    const Jet d_i{d_local[i],        moves * Y(i, 1), moves * Y(i, 2),
-                  moves * Y(i, 3),   moves * Y(i, 4), moves * Y(i, 5)};
-    D[i] = d_i - kappa * row(N, i);
-  }
-  if (D[2].v == 0.0) D[2].v = kParallel;
-  const Jet lambda = -1.0 * (row(Y, 2) / D[2]);
-  const Jet q1 = row(Y, 0) + lambda * D[0], q2 = row(Y, 1) + lambda * D[1];
+  // Position, reflected direction (S3), arrival (S4).
+  const Vec3 y = R * (x - receiver_->origin);
+  const auto position = [&](int i) {
+    return Jet{y[i], e1[i], e2[i], h11 * bend[i], h12 * bend[i], h22 * bend[i]};
+  };
+  const auto reflected = [&](int i) {
+    const Jet N_i{N[i], N_s[i], N_t[i], N_ss[i], N_st[i], N_tt[i]};
+    const Jet d_i{d[i],
+                  moves * e1[i],
+                  moves * e2[i],
+                  moves * h11 * bend[i],
+                  moves * h12 * bend[i],
+                  moves * h22 * bend[i]};
+    return d_i - kappa * N_i;
+  };
+  Jet D_m = reflected(2);
+  if (D_m.v == 0.0) D_m.v = kParallel;
+  const Jet lambda = -1.0 * (position(2) / D_m);
+  const Jet q1 = position(0) + lambda * reflected(0), q2 = position(1) + lambda * reflected(1);
   f.lambda = lambda.v;
-  f.facing = D[2].v;
+  f.facing = D_m.v;
   f.q = {q1.v, q2.v};
   f.q_s = {q1.s, q2.s};
   f.q_t = {q1.t, q2.t};
@@ -148,12 +150,12 @@ FieldPoint ForwardMap::evaluate(const Point& x) const {
   f.grad_a = a_s * f.e1 + a_t * f.e2;
 
   // Flux density (S6) and cos α, through logarithmic derivatives of the smooth factors.
-  const double dd = d.squaredNorm(), inverse_d = 1.0 / std::sqrt(dd);
+  const double dd = d_world.squaredNorm(), inverse_d = 1.0 / std::sqrt(dd);
   const double factor = -side_ * inverse_norm * inverse_d;
   f.cos_alpha = factor * dN.v;
   const Vec3 grad_dN = dN.s * f.e1 + dN.t * f.e2;
   const Vec3 grad_log_N = (0.5 / NN0) * (NN.s * f.e1 + NN.t * f.e2);
-  const Vec3 grad_log_d = (moves / dd) * (d.dot(f.e1) * f.e1 + d.dot(f.e2) * f.e2);
+  const Vec3 grad_log_d = (moves / dd) * (d.dot(e1) * f.e1 + d.dot(e2) * f.e2);
   f.grad_cos = factor * (grad_dN - dN.v * (grad_log_N + grad_log_d));
   const double falloff = point_source_ ? strength_ * inverse_d * inverse_d : strength_;
   f.flux = falloff * f.cos_alpha;

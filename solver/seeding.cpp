@@ -17,6 +17,8 @@ constexpr double kDarkCosine = 1e-9;
 // A seed is good enough for Newton's method when f is down to this share of its values at the ends.
 constexpr double kSeedShare = 0.1;
 constexpr double kFlatShare = 0.05;
+// A component of a gradient this small against its spread over a cell may be zero in it.
+constexpr double kCornerShare = 1e-3;
 
 double phi(const FieldPoint& f) {
   if (f.cos_alpha <= kDarkCosine) return std::copysign(geometry::kInfinity, f.a);
@@ -143,22 +145,21 @@ std::optional<FieldPoint> newton_critical(Evaluator& evaluate, const FieldPoint&
   return std::nullopt;
 }
 
-// Both components of ∇φ along the cell's sides change sign among its corners.
+// Both components of ∇φ along the cell's sides change sign among its corners, or nearly: a critical
+// point may sit right on a corner.
 bool may_hold_critical_point(const Exploration& e, const Cell& cell) {
-  const Point& middle = e.samples[cell.center].x;
   const Vec3 side1 = e.samples[cell.polygon[1].sample].x - e.samples[cell.polygon[0].sample].x;
   const Vec3 side2 = e.samples[cell.center].n.cross(side1);
-  double lo1 = 0, hi1 = 0, lo2 = 0, hi2 = 0;
+  Vec2 lo = Vec2::Constant(geometry::kInfinity), hi = -lo;
   for (const Corner& corner : cell.polygon) {
     const FieldPoint& f = e.samples[corner.sample];
     if (f.cos_alpha <= kDarkCosine) return false;
     const Vec3 g = f.inverse_irradiance_gradient();
-    lo1 = std::min(lo1, g.dot(side1));
-    hi1 = std::max(hi1, g.dot(side1));
-    lo2 = std::min(lo2, g.dot(side2));
-    hi2 = std::max(hi2, g.dot(side2));
+    lo = lo.cwiseMin(Vec2(g.dot(side1), g.dot(side2)));
+    hi = hi.cwiseMax(Vec2(g.dot(side1), g.dot(side2)));
   }
-  return middle.allFinite() && lo1 < 0.0 && hi1 > 0.0 && lo2 < 0.0 && hi2 > 0.0;
+  const Vec2 slack = kCornerShare * (hi - lo);
+  return (lo.array() <= slack.array()).all() && (hi.array() >= -slack.array()).all();
 }
 
 }  // namespace
