@@ -19,6 +19,12 @@ constexpr float kFar = 1e6f;
 float down(double v) { return std::nextafter(static_cast<float>(std::max(v, -double(kFar))), -INFINITY); }
 float up(double v) { return std::nextafter(static_cast<float>(std::min(v, double(kFar))), INFINITY); }
 
+// One device for the process: making it takes milliseconds, a scene microseconds.
+RTCDevice shared_device() {
+  static const RTCDevice device = rtcNewDevice("threads=1");
+  return device;
+}
+
 struct Query {
   RTCIntersectContext context;  // must come first: Embree hands back its address
   std::vector<int>* out;
@@ -27,16 +33,12 @@ struct Query {
 }  // namespace
 
 struct EmbreeScene::State {
-  RTCDevice device = nullptr;
   RTCScene scene = nullptr;
   std::vector<Box> boxes;  // in unit coordinates, widened
   Point center;
   double scale = 1.0;
 
-  ~State() {
-    rtcReleaseScene(scene);
-    rtcReleaseDevice(device);
-  }
+  ~State() { rtcReleaseScene(scene); }
 
   static void bounds(const RTCBoundsFunctionArguments* args) {
     const Box& box = static_cast<const State*>(args->geometryUserPtr)->boxes[args->primID];
@@ -69,10 +71,10 @@ EmbreeScene::EmbreeScene(const std::vector<Box>& boxes, double margin)
     s.boxes.push_back({lo.array() - wide - kFloatSlack * lo.array().abs(),
                        hi.array() + wide + kFloatSlack * hi.array().abs()});
   }
-  s.device = rtcNewDevice("threads=1");
-  s.scene = rtcNewScene(s.device);
+  const RTCDevice device = shared_device();
+  s.scene = rtcNewScene(device);
   rtcSetSceneFlags(s.scene, RTC_SCENE_FLAG_ROBUST);
-  RTCGeometry geometry = rtcNewGeometry(s.device, RTC_GEOMETRY_TYPE_USER);
+  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
   rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(boxes.size()));
   rtcSetGeometryUserData(geometry, &s);
   rtcSetGeometryBoundsFunction(geometry, State::bounds, nullptr);

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <limits>
+#include <utility>
 
 namespace caustic::geometry {
 
@@ -64,6 +65,20 @@ struct Box {
   double diagonal() const { return (max - min).norm(); }
   Box intersected(const Box& other) const {
     return {min.cwiseMax(other.min), max.cwiseMin(other.max)};
+  }
+  /// False only if the segment ray(0…1) misses the box widened by `margin`.
+  bool may_meet(const Ray& ray, double margin) const {
+    double enter = 0.0, leave = 1.0;
+    for (int i = 0; i < 3; ++i) {
+      const double inverse = 1.0 / ray.direction[i];
+      double near = (min[i] - margin - ray.origin[i]) * inverse;
+      double far = (max[i] + margin - ray.origin[i]) * inverse;
+      if (inverse < 0.0) std::swap(near, far);
+      // A ray in the box's own plane gives 0·∞; the comparisons below then keep the bounds.
+      if (near > enter) enter = near;
+      if (far < leave) leave = far;
+    }
+    return enter <= leave;
   }
   static Box around(const Point& center, double radius) {
     return {center.array() - radius, center.array() + radius};

@@ -32,19 +32,29 @@ void real_roots(const Polynomial& given, double t0, double t1, std::vector<doubl
   }
   if (p.degree == 2) return quadratic_roots(p, t0, t1, out);
 
+  // Monotone between neighbouring roots of the derivative. The cuts share `out` as a scratch stack.
   const Polynomial d = p.derivative();
-  std::vector<double> cuts{t0};
-  real_roots(d, t0, t1, cuts);
-  cuts.push_back(t1);
-  for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
-    const double a = cuts[i], b = cuts[i + 1], fa = p(a), fb = p(b);
+  const std::size_t first = out.size();
+  out.push_back(t0);
+  real_roots(d, t0, t1, out);
+  out.push_back(t1);
+  std::array<double, 6> cuts{};
+  const std::size_t count = std::min(out.size() - first, cuts.size());
+  std::copy_n(out.begin() + static_cast<std::ptrdiff_t>(first), count, cuts.begin());
+  out.resize(first);
+
+  double fa = p(cuts[0]), before = 1.0;
+  for (std::size_t i = 0; i + 1 < count; ++i) {
+    const double a = cuts[i], b = cuts[i + 1], fb = p(b);
     if (fa == 0.0) {
-      if (i == 0 || p(cuts[i - 1]) != 0.0) out.push_back(a);
+      if (before != 0.0) out.push_back(a);
     } else if (fb != 0.0 && (fa > 0.0) != (fb > 0.0)) {
       out.push_back(bracketed_root(p, d, a, b, fa));
     }
+    before = fa;
+    fa = fb;
   }
-  if (p(t1) == 0.0) out.push_back(t1);
+  if (fa == 0.0 && before != 0.0) out.push_back(t1);
 }
 
 }  // namespace caustic::geometry

@@ -26,24 +26,23 @@ struct Polynomial {
   }
 };
 
-/// Root of f in [a, b] where f(a) and f(b) have opposite signs, to the last bits: Newton's method
-/// kept inside a shrinking bracket, halved when Newton would leave it or converges too slowly.
+/// Root of f in [a, b] where f(a) and f(b) have opposite signs, to some last bits: Newton's method
+/// kept inside a shrinking bracket, halved where Newton would leave it or its steps do not halve.
 template <class F, class DF>
 double bracketed_root(const F& f, const DF& df, double a, double b, double fa) {
-  double t = 0.5 * (a + b);
-  double previous_width = b - a;
+  const double smallest = 1e-17 * (b - a);
+  double t = 0.5 * (a + b), last_step = b - a;
   for (int i = 0; i < 200; ++i) {
     const double ft = f(t);
     if (ft == 0.0) return t;
     ((ft > 0.0) == (fa > 0.0) ? a : b) = t;
-    const double step = -ft / df(t);
-    double next = t + step;
-    const bool slow = b - a > 0.5 * previous_width && i > 3 && (i & 3) == 0;
-    if (!(next > a && next < b) || slow) next = 0.5 * (a + b);
-    if (next == t || !(b - a > 0.0) || next == a || next == b) return next;
-    if (std::abs(next - t) <= 1e-16 * std::abs(t)) return next;
-    previous_width = b - a;
-    t = next;
+    double step = -ft / df(t);
+    if (!(t + step > a && t + step < b) || std::abs(step) > 0.5 * std::abs(last_step)) {
+      step = 0.5 * (a + b) - t;
+    }
+    last_step = step;
+    t += step;
+    if (std::abs(step) <= 4e-16 * std::abs(t) + smallest) return t;
   }
   return t;
 }

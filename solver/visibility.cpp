@@ -75,6 +75,7 @@ double Visibility::clearance(const Segment& segment, int index) const {
   const auto& [name, shape, bounds, optics, region] = system_.surfaces()[index];
   const Ray& ray = segment.ray;
   const bool own = index == segment.own;
+  if (!own && !region.may_meet(ray, margin_)) return margin_;
   thread_local RayParameters roots, still;
   roots.clear();
   still.clear();

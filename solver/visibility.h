@@ -13,11 +13,12 @@
 namespace caustic::solver {
 
 /// Many surfaces or few: below this number asking each is faster than Embree (solver/README.md).
-constexpr int kEmbreeSurfaces = 8;
+constexpr int kEmbreeSurfaces = 24;
 
 class Visibility {
  public:
-  /// `candidates` may be null: then every surface is asked.
+  /// `candidates` may be null: then every surface is asked. Surfaces whose box is further away than
+  /// `margin` (m) count as that far.
   Visibility(const OpticalSystem& system, const geometry::EmbreeScene* candidates, double margin);
 
   /// Signed clearance (S13), m: > 0 if both segments are free, and then how far the nearest blocker
