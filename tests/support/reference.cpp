@@ -4,6 +4,7 @@
 #include <array>
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <cmath>
+#include <tuple>
 
 namespace caustic::test {
 
@@ -50,7 +51,6 @@ template <class T>
 Implicit<T> implicit_local(const ShapeSpec& s, const V<T>& x) {
   using std::abs;
   using std::cos;
-  using std::pow;
   using std::sin;
   using std::sqrt;
   if (s.kind == Kind::quadric) {
@@ -87,10 +87,10 @@ Implicit<T> implicit_local(const ShapeSpec& s, const V<T>& x) {
       return {sign * (radius - rho), sign * (T((R - e * z) / radius) * axis - T(1 / rho) * across)};
     }
     T sag = rho * rho / (R * (1 + root)), slope_over_rho = 1 / (R * root);
-    for (std::size_t i = 0; i < s.aspheric.size(); ++i) {
-      const int n = 4 + 2 * static_cast<int>(i);
-      sag += T(s.aspheric[i]) * pow(rho, n);
-      slope_over_rho += T(s.aspheric[i]) * n * pow(rho, n - 2);
+    T power = rho * rho;
+    for (std::size_t i = 0; i < s.aspheric.size(); ++i, power *= rho * rho) {
+      sag += T(s.aspheric[i]) * power * rho * rho;
+      slope_over_rho += T(s.aspheric[i]) * static_cast<int>(4 + 2 * i) * power;
     }
     return {z - sag, axis - slope_over_rho * across};
   }
@@ -290,25 +290,36 @@ std::vector<double> ReferenceRay::roots(double t0, double t1, int samples) const
     }
     found.push_back(static_cast<double>((a + b) / 2));
   };
-  const auto scan = [&](auto&& self, T a, T b, int n, int depth) -> void {
+  // Sign changes on n intervals; true if there are any. `dips` collects the local minima of |f|
+  // without a sign change: each may hide a pair of roots.
+  const auto scan = [&](T a, T b, int n, std::vector<std::pair<T, T>>& dips) {
     std::vector<T> t(n + 1), f(n + 1);
     for (int i = 0; i <= n; ++i) {
       t[i] = a + (b - a) * i / n;
       f[i] = value(t[i]);
     }
+    bool changes = false;
     for (int i = 0; i < n; ++i) {
-      if (f[i] == f[i] && f[i + 1] == f[i + 1] && (f[i] > 0) != (f[i + 1] > 0)) {
+      if (f[i] != f[i] || f[i + 1] != f[i + 1]) continue;
+      if ((f[i] > 0) != (f[i + 1] > 0)) {
         bisect(t[i], t[i + 1], f[i]);
-        continue;
+        changes = true;
+      } else if (i > 0 && (f[i - 1] > 0) == (f[i] > 0) && std::abs(f[i]) < std::abs(f[i - 1]) &&
+                 std::abs(f[i]) < std::abs(f[i + 1])) {
+        dips.push_back({t[i - 1], t[i + 1]});
       }
-      // A local minimum of |f| about here may hide a pair of roots.
-      if (depth == 0 || i == 0) continue;
-      const bool dips = std::abs(f[i]) <= std::abs(f[i - 1]) && std::abs(f[i]) <= std::abs(f[i + 1]) &&
-                        (f[i - 1] > 0) == (f[i] > 0);
-      if (dips) self(self, t[i - 1], t[i + 1], 16, depth - 1);
     }
+    return changes;
   };
-  scan(scan, t0, t1, samples, 10);
+  std::vector<std::pair<T, T>> dips;
+  scan(t0, t1, samples, dips);
+  for (auto [a, b] : dips) {
+    for (int zoom = 0; zoom < 10; ++zoom) {
+      std::vector<std::pair<T, T>> next;
+      if (scan(a, b, 16, next) || next.empty()) break;
+      std::tie(a, b) = next.front();
+    }
+  }
   std::sort(found.begin(), found.end());
   return found;
 }
