@@ -101,16 +101,20 @@ class Asphere final : public Surface {
   void crossings(const Ray& ray, double t0, double t1, RayParameters& out) const override {
     Along h{*this, ray};
     if (!h.clip(t0, t1)) return;
+    const std::size_t first = out.size();
     isolated_roots([&](double t) { return h.value(t); }, [&](double t) { return h.slope(t); },
                    [&](double a, double b) { return h.value_range(a, b); },
                    [&](double a, double b) { return h.slope_range(a, b); }, t0, t1, out);
+    h.unshift(out, first);
   }
   void stationary(const Ray& ray, double t0, double t1, RayParameters& out) const override {
     Along h{*this, ray};
     if (!h.clip(t0, t1)) return;
+    const std::size_t first = out.size();
     isolated_roots([&](double t) { return h.slope(t); }, [&](double t) { return h.bend(t); },
                    [&](double a, double b) { return h.slope_range(a, b); },
                    [&](double a, double b) { return h.bend_range(a, b); }, t0, t1, out);
+    h.unshift(out, first);
   }
 
   bool convex(int) const override { return false; }
@@ -142,13 +146,15 @@ class Asphere final : public Surface {
   Vec3 local(const Point& x) const { return axes_.transpose() * (x - o_); }
   static double across(const Vec3& y) { return y.x() * y.x() + y.y() * y.y(); }
 
-  // h(τ) = z(τ) − S(u(τ)) along a ray; u is a parabola in τ, z a line.
+  // h(τ) = z(τ) − S(u(τ)) along a ray; u is a parabola in τ, z a line. τ counts from the point nearest
+  // to the vertex, so that u0 and u1 stay small for rays that come from afar.
   struct Along {
-    double z0, z1, u0, u1, u2, last;
+    double shift, z0, z1, u0, u1, u2, last;
     const Sag& sag;
 
-    Along(const Asphere& s, const Ray& ray) : last(s.last_), sag(s.sag_) {
-      const Vec3 y = s.local(ray.origin), d = s.axes_.transpose() * ray.direction;
+    Along(const Asphere& s, const Ray& ray)
+        : shift(ray.nearest(s.o_)), last(s.last_), sag(s.sag_) {
+      const Vec3 y = s.local(ray.at(shift)), d = s.axes_.transpose() * ray.direction;
       z0 = y.z();
       z1 = d.z();
       u0 = across(y);
@@ -188,8 +194,10 @@ class Asphere final : public Surface {
       const Range p = product(s2, {turns ? 0.0 : std::min(da, db), std::max(da, db)});
       return {-p.hi - 2.0 * u2 * s1.hi, -p.lo - 2.0 * u2 * s1.lo};
     }
-    // Restricts [t0, t1] to where u(t) <= last²; false if nothing is left.
+    // Shifts [t0, t1] and restricts it to where u(t) <= last²; false if nothing is left.
     bool clip(double& t0, double& t1) const {
+      t0 -= shift;
+      t1 -= shift;
       if (std::isfinite(last)) {
         const double limit = last * last;
         if (u2 == 0.0) {
@@ -202,6 +210,9 @@ class Asphere final : public Surface {
         }
       }
       return t0 < t1;
+    }
+    void unshift(RayParameters& out, std::size_t first) const {
+      for (std::size_t i = first; i < out.size(); ++i) out[i] += shift;
     }
   };
 

@@ -27,6 +27,10 @@ struct Ray {
   Vec3 direction;
 
   Point at(double t) const { return origin + t * direction; }
+  /// τ of the point nearest to x.
+  double nearest(const Point& x) const {
+    return (x - origin).dot(direction) / direction.squaredNorm();
+  }
 };
 
 /// Two unit vectors that complete the unit vector n to a right-handed frame (e1, e2, n).

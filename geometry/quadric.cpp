@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "geometry/cube_sphere.h"
-#include "geometry/root_finding.h"
+#include "geometry/ray_polynomial.h"
 
 namespace caustic::geometry {
 
@@ -43,10 +43,10 @@ class Quadric final : public Surface {
   bool at_most_quadratic() const override { return true; }
 
   void crossings(const Ray& ray, double t0, double t1, RayParameters& out) const override {
-    real_roots(along(ray), t0, t1, out);
+    find(ray, Along::crossings, t0, t1, out);
   }
   void stationary(const Ray& ray, double t0, double t1, RayParameters& out) const override {
-    real_roots(along(ray).derivative(), t0, t1, out);
+    find(ray, Along::stationary, t0, t1, out);
   }
 
   bool convex(int side) const override { return convex_[side > 0 ? 1 : 0]; }
@@ -55,6 +55,9 @@ class Quadric final : public Surface {
   std::vector<Chart> charts(const Extent& extent) const override { return charts_(extent); }
 
  private:
+  void find(const Ray& ray, Along what, double t0, double t1, RayParameters& out) const {
+    roots_along([&](const Ray& r) { return along(r); }, ray, o_, what, t0, t1, out);
+  }
   Polynomial along(const Ray& ray) const {
     Vec3 gradient;
     const double g = value_gradient(ray.origin, gradient);

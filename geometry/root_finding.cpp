@@ -14,9 +14,8 @@ void quadratic_roots(const Polynomial& p, double t0, double t1, std::vector<doub
   const double w = -(h + std::copysign(std::sqrt(discriminant), h));
   double r0 = w / a, r1 = w != 0.0 ? c / w : r0;
   if (r0 > r1) std::swap(r0, r1);
-  for (const double r : {r0, r1}) {
-    if (r >= t0 && r <= t1) out.push_back(r);
-  }
+  if (r0 >= t0 && r0 <= t1) out.push_back(r0);
+  if (r1 >= t0 && r1 <= t1 && r1 != r0) out.push_back(r1);
 }
 
 }  // namespace
@@ -54,7 +53,8 @@ void real_roots(const Polynomial& given, double t0, double t1, std::vector<doubl
     before = fa;
     fa = fb;
   }
-  if (fa == 0.0 && before != 0.0) out.push_back(t1);
+  const bool listed = out.size() > first && out.back() == t1;
+  if (!listed && fa == 0.0) out.push_back(t1);
 }
 
 }  // namespace caustic::geometry

@@ -101,8 +101,10 @@ void isolated_roots(const F& f, const DF& df, const RangeF& range_f, const Range
       // A root at b belongs to the next interval, unless there is none.
       if (fa == 0.0) {
         out.push_back(a);
-      } else if ((fa > 0.0) != (fb > 0.0) && (fb != 0.0 || b == t1)) {
-        out.push_back(fb == 0.0 ? b : bracketed_root(f, df, a, b, fa));
+      } else if (fb == 0.0) {
+        if (b == t1) out.push_back(b);
+      } else if ((fa > 0.0) != (fb > 0.0)) {
+        out.push_back(bracketed_root(f, df, a, b, fa));
       }
       continue;
     }

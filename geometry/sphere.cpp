@@ -1,5 +1,5 @@
 #include "geometry/cube_sphere.h"
-#include "geometry/root_finding.h"
+#include "geometry/ray_polynomial.h"
 #include "geometry/surface.h"
 
 namespace caustic::geometry {
@@ -29,10 +29,10 @@ class Sphere final : public Surface {
   bool at_most_quadratic() const override { return true; }
 
   void crossings(const Ray& ray, double t0, double t1, RayParameters& out) const override {
-    real_roots(along(ray), t0, t1, out);
+    find(ray, Along::crossings, t0, t1, out);
   }
   void stationary(const Ray& ray, double t0, double t1, RayParameters& out) const override {
-    real_roots(along(ray).derivative(), t0, t1, out);
+    find(ray, Along::stationary, t0, t1, out);
   }
 
   bool convex(int side) const override { return side > 0; }
@@ -48,6 +48,9 @@ class Sphere final : public Surface {
   }
 
  private:
+  void find(const Ray& ray, Along what, double t0, double t1, RayParameters& out) const {
+    roots_along([&](const Ray& r) { return along(r); }, ray, c_, what, t0, t1, out);
+  }
   Polynomial along(const Ray& ray) const {
     const Vec3 y = ray.origin - c_;
     return {{value(ray.origin), y.dot(ray.direction) / r_, 0.5 * ray.direction.squaredNorm() / r_},

@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "geometry/root_finding.h"
+#include "geometry/ray_polynomial.h"
 #include "geometry/surface.h"
 
 namespace caustic::geometry {
@@ -42,10 +42,10 @@ class Torus final : public Surface {
   bool at_most_quadratic() const override { return false; }
 
   void crossings(const Ray& ray, double t0, double t1, RayParameters& out) const override {
-    find(ray, t0, t1, false, out);
+    find(ray, Along::crossings, t0, t1, out);
   }
   void stationary(const Ray& ray, double t0, double t1, RayParameters& out) const override {
-    find(ray, t0, t1, true, out);
+    find(ray, Along::stationary, t0, t1, out);
   }
 
   bool convex(int) const override { return false; }
@@ -62,13 +62,8 @@ class Torus final : public Surface {
  private:
   double excess(const Vec3& y) const { return y.squaredNorm() + (R_ - r_) * (R_ + r_); }
 
-  // About the point of the ray nearest to the centre, so that the coefficients stay small.
-  void find(const Ray& ray, double t0, double t1, bool stationary, RayParameters& out) const {
-    const double shift = (c_ - ray.origin).dot(ray.direction) / ray.direction.squaredNorm();
-    const Polynomial p = along({ray.at(shift), ray.direction});
-    const std::size_t first = out.size();
-    real_roots(stationary ? p.derivative() : p, t0 - shift, t1 - shift, out);
-    for (std::size_t i = first; i < out.size(); ++i) out[i] += shift;
+  void find(const Ray& ray, Along what, double t0, double t1, RayParameters& out) const {
+    roots_along([&](const Ray& r) { return along(r); }, ray, c_, what, t0, t1, out);
   }
   Polynomial along(const Ray& ray) const {
     const Vec3 y = ray.origin - c_, d = ray.direction;

@@ -1,0 +1,136 @@
+#include "tests/support/shape_zoo.h"
+
+#include <cmath>
+#include <ostream>
+#include <stdexcept>
+
+#include "tests/support/random.h"
+
+namespace caustic::test {
+
+using geometry::Mat3;
+using geometry::Point;
+using geometry::Vec3;
+using Kind = ShapeSpec::Kind;
+
+std::ostream& operator<<(std::ostream& out, const ShapeSpec& spec) { return out << spec.name; }
+
+geometry::SurfacePtr build(const ShapeSpec& s) {
+  const Point point = s.pose.point(s.point);
+  const geometry::Direction axis = s.pose.direction(s.axis);
+  switch (s.kind) {
+    case Kind::plane: return geometry::make_plane(point, axis);
+    case Kind::sphere: return geometry::make_sphere(point, s.radius);
+    case Kind::ellipsoid:
+      return geometry::make_ellipsoid(point, s.semi_axes, s.pose.rotation * s.rotation);
+    case Kind::cylinder: return geometry::make_cylinder(point, axis, s.radius);
+    case Kind::cone: return geometry::make_cone(point, axis, s.radius);
+    case Kind::torus: return geometry::make_torus(point, axis, s.radius, s.second);
+    case Kind::conic: return geometry::make_conic(point, axis, s.radius, s.second, s.aspheric);
+    case Kind::quadric: break;
+  }
+  const auto result = geometry::make_quadric(s.coefficients, s.pose);
+  if (!result.surface) throw std::runtime_error(s.name + ": " + result.fault);
+  return result.surface;
+}
+
+std::array<double, 10> quadric_coefficients(const Vec3& lambda, double linear, double constant,
+                                            const Mat3& axes, const Point& origin) {
+  const Mat3 Q = axes * lambda.asDiagonal() * axes.transpose();
+  const Vec3 along = linear * axes.col(2);
+  const Vec3 G = along - Q * origin;
+  const double J = origin.dot(Q * origin) - 2.0 * along.dot(origin) + constant;
+  return {Q(0, 0), Q(1, 1), Q(2, 2), Q(0, 1), Q(0, 2), Q(1, 2), G.x(), G.y(), G.z(), J};
+}
+
+namespace {
+
+struct QuadricClass {
+  const char* name;
+  Vec3 lambda;
+  double linear, constant;
+};
+
+std::vector<ShapeSpec> make_zoo() {
+  Random random(20260);
+  std::vector<ShapeSpec> zoo;
+  const auto add = [&](ShapeSpec s) {
+    s.point = random.in_cube(0.5);
+    s.axis = random.direction();
+    s.pose = geometry::Pose::make(random.direction(), random.uniform(0.3, 3.0), random.in_cube(0.7));
+    zoo.push_back(std::move(s));
+  };
+
+  add({.name = "plane", .kind = Kind::plane});
+  add({.name = "sphere", .kind = Kind::sphere, .radius = 1.1});
+  add({.name = "ellipsoid", .kind = Kind::ellipsoid, .rotation = random.rotation(),
+       .semi_axes = {1.3, 0.8, 0.5}});
+  add({.name = "cylinder", .kind = Kind::cylinder, .radius = 0.9});
+  add({.name = "cone_narrow", .kind = Kind::cone, .radius = 0.4});
+  add({.name = "cone_wide", .kind = Kind::cone, .radius = 1.25});
+  add({.name = "torus_thin", .kind = Kind::torus, .radius = 1.2, .second = 0.2});
+  add({.name = "torus_fat", .kind = Kind::torus, .radius = 0.9, .second = 0.8});
+
+  const QuadricClass classes[] = {
+      {"quadric_ellipsoid", {1.0, 2.0, 4.0}, 0.0, -1.2},
+      {"quadric_one_sheet", {1.0, 2.0, -1.5}, 0.0, -0.8},
+      {"quadric_two_sheets", {1.0, 2.0, -1.5}, 0.0, 0.8},
+      {"quadric_cone", {1.0, 2.0, -1.5}, 0.0, 0.0},
+      {"quadric_elliptic_paraboloid", {1.0, 2.0, 0.0}, -0.7, 0.3},
+      {"quadric_hyperbolic_paraboloid", {1.0, -2.0, 0.0}, -0.7, 0.3},
+      {"quadric_elliptic_cylinder", {1.0, 2.0, 0.0}, 0.0, -0.9},
+      {"quadric_hyperbolic_cylinder", {1.0, -2.0, 0.0}, 0.0, -0.9},
+      {"quadric_parabolic_cylinder", {1.5, 0.0, 0.0}, 0.6, 0.2},
+      {"quadric_parallel_planes", {1.5, 0.0, 0.0}, 0.0, -0.7},
+      {"quadric_single_plane", {0.0, 0.0, 0.0}, 0.8, 0.4},
+  };
+  for (const QuadricClass& c : classes) {
+    for (const double sign : {1.0, -1.0}) {
+      ShapeSpec s{.name = std::string(c.name) + (sign < 0.0 ? "_negated" : ""),
+                  .kind = Kind::quadric};
+      s.coefficients = quadric_coefficients(sign * c.lambda, sign * c.linear, sign * c.constant,
+                                            random.rotation(), random.in_cube(0.5));
+      add(std::move(s));
+    }
+  }
+
+  const auto number = [](double k) {
+    const std::string magnitude = std::to_string(static_cast<int>(std::lround(10.0 * std::abs(k))));
+    return (k < 0.0 ? "minus" : "") + magnitude;
+  };
+  for (const double R : {1.5, -1.5}) {
+    for (const double k : {-2.5, -1.0, -0.4, 0.0, 0.8}) {
+      const std::string name = "k_" + number(k) + "_R_" + number(R);
+      add({.name = "conic_" + name, .kind = Kind::conic, .radius = R, .second = k});
+      if (k == 0.0) continue;
+      add({.name = "asphere_" + name, .kind = Kind::conic, .radius = R, .second = k,
+           .aspheric = {0.05, -0.02, 0.004}});
+    }
+  }
+  return zoo;
+}
+
+}  // namespace
+
+const std::vector<ShapeSpec>& shape_zoo() {
+  static const std::vector<ShapeSpec> zoo = make_zoo();
+  return zoo;
+}
+
+ShapeSpec scaled(const ShapeSpec& spec, double f) {
+  ShapeSpec s = spec;
+  s.name += "_scaled";
+  s.point *= f;
+  s.semi_axes *= f;
+  s.pose.translation *= f;
+  if (s.kind != Kind::cone) s.radius *= f;
+  if (s.kind == Kind::torus) s.second *= f;
+  for (std::size_t i = 0; i < s.aspheric.size(); ++i) {
+    s.aspheric[i] *= std::pow(f, -3.0 - 2.0 * static_cast<double>(i));
+  }
+  for (int i = 6; i < 9; ++i) s.coefficients[i] *= f;
+  s.coefficients[9] *= f * f;
+  return s;
+}
+
+}  // namespace caustic::test

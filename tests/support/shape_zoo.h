@@ -1,0 +1,46 @@
+// One specimen of every shape and class that the program knows, described by its parameters, so that
+// the surface under test and the 50-digit reference are built from the same numbers.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "geometry/pose.h"
+#include "geometry/surface.h"
+
+namespace caustic::test {
+
+struct ShapeSpec {
+  enum class Kind { plane, sphere, ellipsoid, quadric, cylinder, cone, torus, conic };
+
+  std::string name;
+  Kind kind = Kind::plane;
+  geometry::Point point = geometry::Point::Zero();  ///< centre, apex, vertex, point on the axis
+  geometry::Direction axis = geometry::Vec3::UnitZ();
+  geometry::Mat3 rotation = geometry::Mat3::Identity();  ///< ellipsoid
+  geometry::Vec3 semi_axes = geometry::Vec3::Ones();     ///< ellipsoid
+  double radius = 1.0;  ///< sphere, cylinder; half angle of the cone; major one; R of the conic
+  double second = 0.0;  ///< minor radius, conic constant
+  std::array<double, 10> coefficients{};  ///< quadric
+  std::vector<double> aspheric{};         ///< conic
+  geometry::Pose pose{};                  ///< x_world = R x + t, applied to all of the above
+};
+
+std::ostream& operator<<(std::ostream& out, const ShapeSpec& spec);
+
+/// The surface under test, the pose applied to its parameters.
+geometry::SurfacePtr build(const ShapeSpec& spec);
+
+/// All shapes, of size one, rotated and shifted by a pose of order one.
+const std::vector<ShapeSpec>& shape_zoo();
+
+/// The same shape, lengths multiplied by `factor`.
+ShapeSpec scaled(const ShapeSpec& spec, double factor);
+
+/// Coefficients of Σ λᵢ yᵢ² + 2ℓ y₂ + k with y = Rᵀ(x − o).
+std::array<double, 10> quadric_coefficients(const geometry::Vec3& lambda, double linear,
+                                            double constant, const geometry::Mat3& axes,
+                                            const geometry::Point& origin);
+
+}  // namespace caustic::test
