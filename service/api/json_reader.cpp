@@ -1,5 +1,6 @@
 #include "service/api/json_reader.h"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -156,11 +157,6 @@ double ObjectReader::number(const std::string& key, const Range& range) {
 
 double ObjectReader::number_or(const std::string& key, const Range& range, double value) {
   return read_number(member_or(key, value), range, faults_);
-}
-
-std::string ObjectReader::string(const std::string& key) {
-  const auto place = member(key);
-  return place ? read_string(*place, faults_) : std::string();
 }
 
 std::string ObjectReader::word_at(const JsonPlace& place, const std::vector<std::string>& words) {

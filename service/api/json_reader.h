@@ -52,8 +52,6 @@ struct JsonPlace {
   std::string pointer;
 };
 
-class ObjectReader;
-
 /// Readers of single values. A wrong value is noted and a harmless one returned.
 double read_number(const JsonPlace& place, const Range& range, Faults& faults);
 int read_integer(const JsonPlace& place, int min, int max, Faults& faults);
@@ -83,7 +81,6 @@ class ObjectReader {
 
   double number(const std::string& key, const Range& range);
   double number_or(const std::string& key, const Range& range, double value);
-  std::string string(const std::string& key);
   /// One of `words`; the fault names them all. Empty if it is none of them.
   std::string word(const std::string& key, const std::vector<std::string>& words);
   std::string word_or(const std::string& key, const std::vector<std::string>& words,

@@ -108,6 +108,9 @@ void write(std::string& out, const Json& value) {
 
 json parse_json(std::string_view text) {
   if (text.empty()) refuse("the body is empty");
+  // The scanner takes a zero byte for the end and would not see what follows.
+  if (const auto zero = text.find('\0'); zero != text.npos)
+    refuse("not JSON at byte " + std::to_string(zero + 1) + ", a zero byte");
   StrictBuilder builder;
   json::sax_parse(text.begin(), text.end(), &builder);
   return builder.take();

@@ -90,13 +90,14 @@ solver::Optics read_optics(ObjectReader& surface) {
 
 /// Names are labels in files and keys in requests: some length, no control characters.
 std::string read_name(ObjectReader& surface) {
-  const std::string name = surface.string("name");
+  const auto place = surface.member("name");
+  if (!place) return {};
+  const std::string name = read_string(*place, surface.faults());
   const bool printable = std::none_of(name.begin(), name.end(), [](unsigned char c) {
     return c < 0x20 || c == 0x7f;
   });
-  if (surface.optional_member("name") && (name.empty() || name.size() > 200 || !printable))
-    surface.faults().add(surface.pointer_to("name"),
-                         "must be 1 to 200 bytes without control characters");
+  if (place->value->is_string() && (name.empty() || name.size() > 200 || !printable))
+    surface.faults().add(place->pointer, "must be 1 to 200 bytes without control characters");
   return name;
 }
 

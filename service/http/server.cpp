@@ -79,7 +79,7 @@ Server::Server(const Routes& routes, const ServerOptions& options)
     auto& request = const_cast<httplib::Request&>(in);  // the library's own object, and not const
     request.ranges.clear();
     request.headers.erase("Accept-Encoding");
-    request.path = "/";  // all that the library's routing sees
+    request.path.assign(1, '/');  // all that the library's routing sees
     const bool library_reads_a_body = in.method == "POST" || in.method == "PUT" ||
                                       in.method == "PATCH" || in.method == "DELETE";
     if (library_reads_a_body) return Handled::Unhandled;
