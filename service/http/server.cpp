@@ -71,6 +71,11 @@ Server::Server(const Routes& routes, const ServerOptions& options)
     : options_(options), library_(std::make_unique<Library>()) {
   library_->new_task_queue = [n = options.threads] { return new httplib::ThreadPool(n); };
   library_->set_tcp_nodelay(true);
+  library_->set_socket_options([](socket_t socket) {
+    // The library's own choice, SO_REUSEPORT, lets a second server take half of the first's clients.
+    const int yes = 1;
+    setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  });
   library_->set_keep_alive_max_count(kKeepAliveRequests);
   library_->set_keep_alive_timeout(kIdleSeconds);
 
