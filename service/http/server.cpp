@@ -7,6 +7,8 @@
 
 #include <httplib.h>
 
+#include <charconv>
+
 namespace caustic::service {
 namespace {
 
@@ -42,8 +44,24 @@ HttpRequest head_of(const httplib::Request& request) {
   return {request.method, request.target, request.get_header_value("Content-Type"), {}, false};
 }
 
-bool has_body(const httplib::Request& request) {
-  return request.has_header("Content-Length") || request.has_header("Transfer-Encoding");
+/// How the body comes. `unsound`: its end cannot be told for sure, so the connection must end.
+enum class Framing { none, readable, too_large, unsound };
+
+Framing framing_of(const httplib::Request& request, std::size_t max_body) {
+  const auto lengths = request.get_header_value_count("Content-Length");
+  const auto codings = request.get_header_value_count("Transfer-Encoding");
+  if (lengths + codings == 0) return Framing::none;
+  if (lengths + codings > 1) return Framing::unsound;
+  if (codings) {
+    const bool chunked = request.get_header_value("Transfer-Encoding") == "chunked";
+    return chunked ? Framing::readable : Framing::unsound;
+  }
+  const std::string text = request.get_header_value("Content-Length");
+  std::size_t length = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), length);
+  if (error == std::errc::result_out_of_range) return Framing::too_large;
+  if (error != std::errc() || end != text.data() + text.size()) return Framing::unsound;
+  return length > max_body + kDrained ? Framing::too_large : Framing::readable;
 }
 
 /// Reads the body up to the limit. False if the connection cannot be used any more.
@@ -96,7 +114,12 @@ Server::Server(const Routes& routes, const ServerOptions& options)
                              const httplib::Request& in, httplib::Response& out,
                              const httplib::ContentReader& reader) {
     HttpRequest request = head_of(in);
-    const bool whole = !has_body(in) || read_body(reader, max_body, request);
+    const Framing framing = framing_of(in, max_body);
+    if (framing == Framing::unsound)
+      return send(out, problem_response(make_problem(400, "the length of the body is unclear")), true);
+    request.body_too_large = framing == Framing::too_large;
+    const bool whole = framing == Framing::none ||
+                       (framing == Framing::readable && read_body(reader, max_body, request));
     if (!whole && !request.body_too_large)
       return send(out, problem_response(make_problem(400, "the body is not whole")), true);
     send(out, routes.answer(request), !whole);

@@ -125,6 +125,15 @@ TEST_F(ServerTest, lengths_that_lie) {
     other.send(post_head("/v1/contours", kJson + "Content-Length: " + length + "\r\n") + "{}");
     EXPECT_NE(other.receive().status, 200) << length;
   }
+  for (const std::string& doubled :
+       {std::string("Content-Length: 2\r\nContent-Length: 3\r\n"),
+        std::string("Content-Length: 2\r\nTransfer-Encoding: chunked\r\n"),
+        std::string("Transfer-Encoding: gzip, chunked\r\n")}) {
+    HttpConnection other(port());
+    other.send(post_head("/v1/contours", kJson + doubled) + "{}");
+    EXPECT_EQ(other.receive().status, 400) << doubled;
+    EXPECT_TRUE(other.closed_by_server());
+  }
   HttpConnection no_length(port());
   no_length.send(post_head("/v1/contours", kJson));
   EXPECT_EQ(no_length.receive().status, 400);
