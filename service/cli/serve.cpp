@@ -36,19 +36,24 @@ sigset_t stop_signals() {
 class StopOnSignal {
  public:
   StopOnSignal(Server& server, std::atomic<bool>& stopping)
-      : thread_([&server, &stopping] {
+      : thread_([this, &server, &stopping] {
           const sigset_t signals = stop_signals();
           int received;
           sigwait(&signals, &received);
           stopping = true;
-          server.stop();
+          // The signal may come before the server listens.
+          while (!finished_ && !server.is_listening())
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+          if (!finished_) server.stop();
         }) {}
   ~StopOnSignal() {
+    finished_ = true;
     pthread_kill(thread_.native_handle(), SIGTERM);  // if it waits still
     thread_.join();
   }
 
  private:
+  std::atomic<bool> finished_ = false;
   std::thread thread_;
 };
 
@@ -58,11 +63,15 @@ int listen(Server& server, const std::string& host, std::atomic<bool>& stopping)
     std::cerr << "isocaustic: cannot listen on " << host << std::endl;
     return kFailed;
   }
-  const StopOnSignal stop(server, stopping);
-  const bool v6 = host.find(':') != host.npos;
-  std::cout << "listening on http://" << (v6 ? "[" + host + "]" : host) << ':' << port << std::endl;
-  server.listen();
-  return stopping ? kDone : kFailed;
+  {
+    const StopOnSignal stop(server, stopping);
+    const bool v6 = host.find(':') != host.npos;
+    std::cout << "listening on http://" << (v6 ? "[" + host + "]" : host) << ':' << port << std::endl;
+    server.listen();
+    if (stopping) return kDone;
+  }
+  std::cerr << "isocaustic: the listening socket failed" << std::endl;
+  return kFailed;
 }
 
 }  // namespace

@@ -97,6 +97,10 @@ Server::Server(const Routes& routes, const ServerOptions& options)
   library_->set_keep_alive_max_count(kKeepAliveRequests);
   library_->set_keep_alive_timeout(kIdleSeconds);
 
+  library_->set_exception_handler([](const auto&, httplib::Response& out, std::exception_ptr) {
+    send(out, problem_response(make_problem(500, "internal error")), true);  // its text stays here
+  });
+
   using Handled = httplib::Server::HandlerResponse;
   library_->set_pre_routing_handler([&routes](const httplib::Request& in, httplib::Response& out) {
     auto& request = const_cast<httplib::Request&>(in);  // the library's own object, and not const
@@ -114,6 +118,8 @@ Server::Server(const Routes& routes, const ServerOptions& options)
                              const httplib::Request& in, httplib::Response& out,
                              const httplib::ContentReader& reader) {
     HttpRequest request = head_of(in);
+    // The library would take a multipart body apart, for a receiver that is not there.
+    const_cast<httplib::Request&>(in).headers.erase("Content-Type");
     const Framing framing = framing_of(in, max_body);
     if (framing == Framing::unsound)
       return send(out, problem_response(make_problem(400, "the length of the body is unclear")), true);
@@ -138,6 +144,8 @@ int Server::bind() {
 }
 
 bool Server::listen() { return library_->listen_after_bind(); }
+
+bool Server::is_listening() const { return library_->is_running(); }
 
 void Server::stop() { library_->stop(); }
 

@@ -25,7 +25,8 @@ class Server {
   int bind();
   /// Serves until stop(); returns when every running answer has been sent.
   bool listen();
-  /// From any thread.
+  bool is_listening() const;
+  /// From any thread, once, while it is listening: before that it is without effect.
   void stop();
 
  private:

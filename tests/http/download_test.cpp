@@ -163,6 +163,21 @@ TEST_F(DownloadTest, same_request_same_bytes) {
   EXPECT_EQ(different, 0);
 }
 
+TEST_F(DownloadTest, a_run_over_its_limit_says_so) {
+  json request = ball_request();
+  request["limits"] = {{"vertices", 20}};
+  const json cut = post(request);
+  EXPECT_EQ(cut["complete"], false);
+  EXPECT_FALSE(cut["warnings"].empty());
+  EXPECT_NE(http_get(server.port(), cut["files"]["vtp"]).body.find("VTKFile"), std::string::npos);
+  request["limits"] = {{"time_ms", 0.001}};
+  const json late = post(request);
+  EXPECT_EQ(late["complete"], false);
+  EXPECT_NE(late["id"], cut["id"]);
+  request.erase("limits");
+  EXPECT_EQ(post(request)["complete"], true);
+}
+
 TEST_F(DownloadTest, results_survive_a_restart) {
   const HttpReply posted = http_post(server.port(), "/v1/contours", ball_request().dump());
   const json answer = json::parse(posted.body);

@@ -140,6 +140,22 @@ TEST_F(ServerTest, lengths_that_lie) {
   EXPECT_TRUE(nothing_stored());
 }
 
+TEST_F(ServerTest, forms_and_compressed_bodies_are_no_way_in) {
+  const std::string form = "--x\r\nContent-Disposition: form-data; name=\"a\"\r\n\r\n1\r\n--x--\r\n";
+  const HttpReply reply = http_post(port(), "/v1/contours", form, "multipart/form-data; boundary=x");
+  EXPECT_EQ(reply.status, 415);
+  EXPECT_EQ(http_post(port(), "/v1/contours", form, "multipart/form-data").status, 415);
+  EXPECT_EQ(http_post(port(), "/v1/contours", "a=b", "application/x-www-form-urlencoded").status, 415);
+  for (const char* coding : {"gzip", "br", "zstd", "nonsense"}) {
+    HttpConnection connection(port());
+    connection.send(post_head("/v1/contours", kJson + "Content-Encoding: " + coding +
+                                                  "\r\nContent-Length: 2\r\n") + "{}");
+    const HttpReply coded = connection.receive();
+    EXPECT_GE(coded.status, 400) << coding;
+    EXPECT_EQ(coded.headers.count("exception_what"), 0u);
+  }
+}
+
 TEST_F(ServerTest, paths_lead_nowhere_else) {
   const std::string id(64, 'a');
   const std::vector<std::string> targets{
@@ -192,7 +208,25 @@ TEST_F(ServerTest, stops_when_asked) {
     ServerProcess other(folder.path() / "other");
     EXPECT_EQ(http_get(other.port(), "/healthz").status, 200);
     EXPECT_EQ(other.stop(signal), 0);
+    ServerProcess hasty(folder.path() / "other");  // may not listen yet
+    EXPECT_EQ(hasty.stop(signal), 0);
   }
+}
+
+TEST_F(ServerTest, stops_in_the_middle_of_work) {
+  ServerProcess other(folder.path() / "other");
+  json request = ball_request();
+  surface(request)["shape"] = json::parse(R"({"type": "torus", "center": [0, 0, 0], "axis": [0, 0, 1],
+                                              "major_radius": 1, "minor_radius": 0.4})");
+  request["tolerance"] = {{"irradiance", 1e-12}, {"chord", 1e-6}};
+  request["limits"] = {{"time_ms", 60000}, {"vertices", 2000000}};
+  HttpReply reply;
+  std::thread client(
+      [&] { reply = http_post(other.port(), "/v1/contours", request.dump()); });
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  EXPECT_EQ(other.stop(SIGTERM), 0);
+  client.join();
+  EXPECT_TRUE(reply.status == 503 || reply.status == 200) << reply.status;
 }
 
 TEST_F(ServerTest, a_full_disk_is_507_and_leaves_nothing) {
