@@ -1,0 +1,148 @@
+#include "service/api/answer_json.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "service/api/identity.h"
+#include "service/api/json_text.h"
+#include "service/formats/format.h"
+
+namespace caustic::service {
+namespace {
+
+using nlohmann::ordered_json;
+using solver::ContourResult;
+using solver::Curve;
+using solver::CurveVertex;
+
+bool is_finite(const Curve& curve) {
+  bool finite = std::isfinite(curve.level) && std::isfinite(curve.length) &&
+                std::isfinite(curve.max_residual);
+  for (const CurveVertex& v : curve.vertices)
+    finite = finite && v.uv.allFinite() && v.p.allFinite() && v.x.allFinite() &&
+             v.gradient.allFinite() && std::isfinite(v.irradiance + v.residual + v.arc_length);
+  return finite;
+}
+
+void drop_curves_that_are_not_finite(ContourResult& result) {
+  const auto dropped = std::erase_if(result.curves, [](const Curve& c) { return !is_finite(c); });
+  if (dropped)
+    result.warnings.push_back({"not_finite", std::to_string(dropped) +
+                                                 " curves had a number that is not finite and were "
+                                                 "left out"});
+}
+
+PolylineVertex to_vertex(const CurveVertex& v, double metres) {
+  const double scale = 1.0 / metres;
+  PolylineVertex out;
+  for (int i = 0; i < 3; ++i) {
+    out.position[i] = v.p[i] * scale;
+    out.gradient[i] = v.gradient[i] * metres;
+    out.reflector_point[i] = v.x[i] * scale;
+  }
+  out.uv = {v.uv.x() * scale, v.uv.y() * scale};
+  out.irradiance = v.irradiance;
+  out.residual = v.residual;
+  out.arc_length = v.arc_length * scale;
+  return out;
+}
+
+std::string units_json(const Units& units) {
+  const std::string irradiance = units.irradiance(), length = units.length.name;
+  return write_json(ordered_json{{"length", length},
+                                 {"quantity", units.quantity()},
+                                 {"irradiance", irradiance},
+                                 {"gradient", irradiance + "/" + length}});
+}
+
+ordered_json families_json(const ContourCall& call, const ContourResult& result) {
+  auto out = ordered_json::array();
+  for (const solver::FamilyReport& family : result.families) {
+    auto names = ordered_json::array();
+    for (int surface : family.surfaces) names.push_back(call.system.surfaces()[surface].name);
+    out.push_back({{"id", family.id}, {"surfaces", names}, {"flux", nullptr}});
+    if (std::isfinite(family.flux)) out.back()["flux"] = family.flux;
+  }
+  return out;
+}
+
+ordered_json curve_json(const Curve& curve, std::size_t id, double metres) {
+  const bool caustic = curve.kind == solver::CurveKind::caustic;
+  auto ends = ordered_json::array();
+  for (solver::Ending end : curve.ends) ends.push_back(solver::to_string(end));
+  return {{"curve_id", id},
+          {"kind", solver::to_string(curve.kind)},
+          {"level", caustic ? ordered_json() : ordered_json(curve.level)},
+          {"measure", "sheet"},
+          {"family_id", curve.family_id},
+          {"parity", curve.parity},
+          {"closed", curve.closed},
+          {"ends", ends},
+          {"vertices", curve.vertices.size()},
+          {"length", curve.length / metres},
+          {"max_residual", curve.max_residual}};
+}
+
+ordered_json files_json(const std::string& id, bool stored) {
+  auto out = ordered_json::object();
+  if (stored)
+    for (const Format& format : formats())
+      out[format.suffix] = "/v1/results/" + id + "." + format.suffix;
+  return out;
+}
+
+}  // namespace
+
+PolylineSet to_polylines(const ContourCall& call, ContourResult& result) {
+  drop_curves_that_are_not_finite(result);
+  const double metres = call.units.length.metres;
+  const geometry::Vec2 size = 2.0 / metres * call.system.receiver().half;
+  PolylineSet out;
+  out.receiver_size = {size.x(), size.y()};
+  out.length_unit = call.units.length.name;
+  out.irradiance_unit = call.units.irradiance();
+  out.quantity = call.units.irradiance_name();
+  out.scene_json = call.scene_json;
+  out.units_json = units_json(call.units);
+  out.engine_version = kEngineVersion;
+  out.request_sha256 = call.request_sha256;
+  for (const Curve& curve : result.curves) {
+    out.curves.push_back({static_cast<PolylineKind>(curve.kind), curve.closed, curve.family_id,
+                          curve.parity, curve.level, curve.length / metres, out.vertices.size(),
+                          curve.vertices.size()});
+    for (const CurveVertex& v : curve.vertices) out.vertices.push_back(to_vertex(v, metres));
+  }
+  return out;
+}
+
+std::string answer_json(const ContourCall& call, const ContourResult& result,
+                        const std::string& id, bool stored, const std::string& geojson) {
+  const double metres = call.units.length.metres;
+  auto curves = ordered_json::array();
+  for (std::size_t i = 0; i < result.curves.size(); ++i)
+    curves.push_back(curve_json(result.curves[i], i, metres));
+  auto skipped = ordered_json::array(), warnings = ordered_json::array();
+  for (const auto& [stage, reason] : result.skipped)
+    skipped.push_back({{"stage", stage}, {"reason", reason}});
+  for (const auto& [code, detail] : result.warnings)
+    warnings.push_back({{"code", code}, {"detail", detail}});
+  std::string out = write_json(ordered_json{
+      {"id", id},
+      {"engine_version", kEngineVersion},
+      {"complete", result.complete},
+      {"families", families_json(call, result)},
+      {"curves", std::move(curves)},
+      {"completeness",
+       {{"certified", result.certified}, {"undecided_cells", result.undecided_cells}}},
+      {"skipped", std::move(skipped)},
+      {"work", {{"evaluations", result.evaluations}, {"seconds", result.seconds}}},
+      {"warnings", std::move(warnings)},
+      {"files", files_json(id, stored)}});
+  if (!geojson.empty()) {
+    out.back() = ',';
+    out += "\"geojson\":" + geojson + "}";
+  }
+  return out;
+}
+
+}  // namespace caustic::service

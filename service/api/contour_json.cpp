@@ -1,0 +1,190 @@
+#include "service/api/contour_json.h"
+
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "service/api/identity.h"
+#include "service/api/json_text.h"
+#include "service/api/scene_json.h"
+
+namespace caustic::service {
+namespace {
+
+using nlohmann::json;
+using solver::ContourRequest;
+using solver::LevelRequest;
+
+constexpr double kDefaultTimeMs = 5000;
+constexpr int kDefaultVertices = 500'000;
+constexpr std::size_t kMaxFamilies = 10'000;
+
+/// Surface indices of one family: exactly one mirror in this version.
+std::vector<int> read_family(const JsonPlace& place, const Scene& scene,
+                             const std::map<std::string, int>& index, Faults& faults) {
+  std::vector<int> family;
+  const auto names = read_elements(place, kMaxBounces, faults);
+  for (const JsonPlace& name : names) {
+    const auto found = index.find(read_string(name, faults));
+    if (!name.value->is_string()) continue;
+    if (found == index.end()) {
+      faults.add(name.pointer, "no surface has this name");
+      continue;
+    }
+    family.push_back(found->second);
+    if (scene.surfaces[found->second].optics.kind != solver::Optics::Kind::mirror)
+      faults.add(name.pointer, "not a mirror");
+  }
+  if (place.value->is_array() && place.value->empty())
+    faults.add(place.pointer, "needs at least one surface");
+  if (names.size() > 1) faults.not_supported(place.pointer, "a family of more than one bounce");
+  return family;
+}
+
+void read_family_list(const JsonPlace& place, const Scene& scene, ContourRequest& request,
+                      Faults& faults) {
+  std::map<std::string, int> index;
+  for (std::size_t i = 0; i < scene.surfaces.size(); ++i)
+    index.emplace(scene.surfaces[i].name, static_cast<int>(i));
+  std::map<std::vector<int>, int> seen;
+  for (const JsonPlace& element : read_elements(place, kMaxFamilies, faults)) {
+    request.families.push_back(read_family(element, scene, index, faults));
+    if (!request.families.back().empty() && ++seen[request.families.back()] == 2)
+      faults.add(element.pointer, "given twice");
+  }
+  if (place.value->is_array() && place.value->empty())
+    faults.add(place.pointer, "needs at least one family");
+}
+
+void read_families(ObjectReader& root, const Scene& scene, ContourRequest& request) {
+  const JsonPlace place = root.member_or("families", json::object());
+  if (place.value->is_array()) return read_family_list(place, scene, request, root.faults());
+  if (!place.value->is_object())
+    return root.faults().add(place.pointer, "must be an array of families or an object");
+  ObjectReader families(place, root.faults());
+  const JsonPlace bounces = families.member_or("max_bounces", 1.0);
+  if (read_integer(bounces, 1, kMaxBounces, root.faults()) > 1)
+    root.faults().not_supported(bounces.pointer, "more than one bounce");
+  families.number_or("min_flux_share", {0.0, 1.0}, 1e-6);
+}
+
+/// 1-2-5 numbers between min and max: three a decade.
+bool too_many_one_two_five(const LevelRequest& levels) {
+  return levels.spacing == LevelRequest::Spacing::one_two_five && levels.min && levels.max &&
+         3.0 * std::log10(*levels.max / *levels.min) > static_cast<double>(kMaxLevels) - 3.0;
+}
+
+void read_level_rule(const JsonPlace& place, LevelRequest& out, Faults& faults) {
+  ObjectReader levels(place, faults);
+  out.count = read_integer(levels.member_or("count", 8.0), 1, kMaxLevels, faults);
+  const std::string spacing = levels.word_or("spacing", {"log", "linear", "1-2-5"}, "log");
+  if (spacing == "linear") out.spacing = LevelRequest::Spacing::linear;
+  if (spacing == "1-2-5") out.spacing = LevelRequest::Spacing::one_two_five;
+  const std::size_t faults_before = faults.count();
+  if (const auto min = levels.optional_member("min")) out.min = read_number(*min, kPositive, faults);
+  const auto max = levels.optional_member("max");
+  if (!max) return;
+  out.max = read_number(*max, kPositive, faults);
+  if (faults.count() != faults_before) return;
+  if (out.min && *out.min >= *out.max) faults.add(max->pointer, "must be greater than min");
+  else if (too_many_one_two_five(out))
+    faults.add(place.pointer, "more than " + std::to_string(kMaxLevels) + " levels");
+}
+
+void read_levels(ObjectReader& root, LevelRequest& out) {
+  Faults& faults = root.faults();
+  const JsonPlace place = root.member_or("levels", json::object());
+  if (place.value->is_object()) return read_level_rule(place, out, faults);
+  if (!place.value->is_array()) return faults.add(place.pointer, "must be an array or an object");
+  for (const JsonPlace& level : read_elements(place, kMaxLevels, faults))
+    out.values.push_back(read_number(level, kPositive, faults));
+  if (place.value->empty()) faults.add(place.pointer, "needs at least one level");
+}
+
+void read_include(ObjectReader& root, ContourRequest& request) {
+  Faults& faults = root.faults();
+  const JsonPlace place = root.member_or("include", {"caustic", "isolux"});
+  request.isolux = request.caustic = false;
+  for (const JsonPlace& word : read_elements(place, 100, faults)) {
+    const std::string name = read_string(word, faults);
+    if (name == "isolux") request.isolux = true;
+    else if (name == "caustic") request.caustic = true;
+    else if (name == "critical_points" || name == "boundaries") faults.not_supported(word.pointer, name);
+    else if (word.value->is_string())
+      faults.add(word.pointer, "must be one of: isolux, caustic, critical_points, boundaries");
+  }
+  if (!place.value->is_array()) return;
+  if (place.value->empty()) faults.add(place.pointer, "needs at least one kind of curve");
+  *place.value = json::array();  // a set: neither order nor repetition is part of the question
+  if (request.caustic) place.value->push_back("caustic");
+  if (request.isolux) place.value->push_back("isolux");
+}
+
+void read_tolerance(ObjectReader& root, const Scene& scene, ContourRequest& request) {
+  const double metres = scene.units.length.metres;
+  const double side = scene.receiver.width() / metres;
+  const bool sound_side = std::isfinite(side) && side > 0.0;
+  ObjectReader tolerance(root.member_or("tolerance", json::object()), root.faults());
+  request.irradiance_tolerance = tolerance.number_or("irradiance", {1e-15, 0.1}, 1e-9);
+  const Range chords = sound_side ? Range{1e-9 * side, side} : kPositive;
+  request.chord_tolerance =
+      metres * tolerance.number_or("chord", chords, sound_side ? 1e-4 * side : 1.0);
+}
+
+void read_limits(ObjectReader& root, ContourRequest& request) {
+  ObjectReader limits(root.member_or("limits", json::object()), root.faults());
+  request.time_limit =
+      1e-3 * limits.number_or("time_ms", {0.0, kMaxTimeMs, true}, kDefaultTimeMs);
+  request.vertex_limit = static_cast<std::size_t>(
+      read_integer(limits.member_or("vertices", kDefaultVertices), 1, kMaxVertices, root.faults()));
+}
+
+void read_what_is_to_come(ObjectReader& root) {
+  Faults& faults = root.faults();
+  if (root.word_or("measure", {"sheet", "total"}, "sheet") == "total")
+    faults.not_supported(root.pointer_to("measure"), "total");
+  if (root.boolean_or("direct", false))
+    faults.not_supported(root.pointer_to("direct"), "the direct light");
+  if (root.boolean_or("certify", false))
+    faults.not_supported(root.pointer_to("certify"), "certification");
+}
+
+Scene read_members(ObjectReader& root, ContourRequest& request, bool& store) {
+  Scene scene;
+  if (const auto place = root.member("scene")) scene = read_scene(*place, root.faults());
+  read_families(root, scene, request);
+  read_levels(root, request.levels);
+  read_what_is_to_come(root);
+  read_include(root, request);
+  read_tolerance(root, scene, request);
+  read_limits(root, request);
+  store = root.boolean_or("store", true);
+  return scene;
+}
+
+}  // namespace
+
+ContourCall read_contour_call(std::string_view body) {
+  json document = parse_json(body);
+  Faults faults;
+  Scene scene;
+  ContourRequest request;
+  bool store = true;
+  {
+    ObjectReader root({&document, ""}, faults);
+    scene = read_members(root, request, store);
+  }
+  faults.throw_if_any();
+  document.erase("limits");
+  document.erase("store");
+  const std::string canonical = write_json(document);
+  return {solver::OpticalSystem::build(scene.light, std::move(scene.surfaces), scene.receiver),
+          std::move(request),
+          scene.units,
+          store,
+          write_json(document["scene"]),
+          sha256_hex(canonical),
+          sha256_hex(canonical + "\n" + kEngineVersion)};
+}
+
+}  // namespace caustic::service

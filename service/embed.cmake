@@ -1,0 +1,17 @@
+# cmake -DSOURCE=<service folder> -DOUTPUT=<embedded.h> -P embed.cmake
+# Writes the examples, in the order of examples/index.json, and openapi.json as string literals.
+file(READ ${SOURCE}/examples/index.json index)
+file(READ ${SOURCE}/api/openapi.json openapi)
+set(text "// Made by embed.cmake.\n#pragma once\n\nnamespace caustic::service {\n\n")
+string(APPEND text "constexpr Example kEmbeddedExamples[] = {\n")
+string(JSON count LENGTH "${index}")
+math(EXPR last "${count} - 1")
+foreach(i RANGE ${last})
+  string(JSON name GET "${index}" ${i} name)
+  string(JSON title GET "${index}" ${i} title)
+  file(READ ${SOURCE}/examples/${name}.json body)
+  string(APPEND text "    {\"${name}\", \"${title}\", R\"json(${body})json\"},\n")
+endforeach()
+string(APPEND text "};\n\nconstexpr std::string_view kEmbeddedOpenapi = R\"json(${openapi})json\";\n")
+string(APPEND text "\n}  // namespace caustic::service\n")
+file(WRITE ${OUTPUT} "${text}")

@@ -1,0 +1,60 @@
+// Traced curves as every file format needs them: in the user's length unit, with their labels. What a
+// result record holds; knows neither JSON nor files nor the engine.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace caustic::service {
+
+/// Plain doubles, so that a record is read and written as one block.
+struct PolylineVertex {
+  std::array<double, 3> position;  ///< world
+  std::array<double, 2> uv;        ///< receiver axes
+  double irradiance;               ///< per square metre; −1 on caustics
+  double residual;
+  std::array<double, 3> gradient;  ///< world, per length unit
+  double arc_length;
+  std::array<double, 3> reflector_point;
+};
+static_assert(sizeof(PolylineVertex) == 14 * sizeof(double));
+
+enum class PolylineKind : std::int32_t { isolux = 0, caustic = 1 };
+
+struct Polyline {
+  PolylineKind kind;
+  std::int32_t closed;     ///< the last vertex joins the first, which is not repeated here
+  std::int32_t family_id;
+  std::int32_t parity;
+  double level;            ///< −1 for caustics
+  double length;
+  std::uint64_t first, count;  ///< its vertices in the set
+
+  /// Vertices of a file: a closed curve comes back to its first.
+  std::uint64_t file_vertices() const { return count + (closed ? 1 : 0); }
+  bool is_caustic() const { return kind == PolylineKind::caustic; }
+};
+
+struct PolylineSet {
+  std::vector<Polyline> curves;  ///< curve_id is the index
+  std::vector<PolylineVertex> vertices;
+  std::array<double, 2> receiver_size{};  ///< along u, v
+
+  std::string length_unit, irradiance_unit, quantity;
+  std::string scene_json, units_json, engine_version, request_sha256;
+
+  /// Vertex i of a curve's file; i = count is the first again.
+  const PolylineVertex& vertex(const Polyline& curve, std::uint64_t i) const {
+    return vertices[curve.first + (i == curve.count ? 0 : i)];
+  }
+};
+
+/// The words of JSON, GeoJSON and CSV.
+inline const char* word(PolylineKind kind) {
+  return kind == PolylineKind::caustic ? "caustic" : "isolux";
+}
+
+}  // namespace caustic::service

@@ -1,0 +1,262 @@
+#include "service/http/routes.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "service/formats/format.h"
+#include "tests/support/requests.h"
+#include "tests/support/stub_engine.h"
+#include "tests/support/temporary_folder.h"
+
+namespace caustic::service {
+namespace {
+
+using nlohmann::json;
+using test::ball_request;
+
+class RoutesTest : public testing::Test {
+ protected:
+  HttpResponse ask(const std::string& method, const std::string& target, const std::string& body = "",
+                   const std::string& type = "application/json") {
+    return routes.answer({method, target, type, body, false});
+  }
+  HttpResponse post(const json& request) { return ask("POST", "/v1/contours", request.dump()); }
+
+  test::TemporaryFolder folder;
+  ResultStore store{folder.path()};
+  Engine engine = test::draw_circles;
+  int runs = 0;
+  ContourService contours{[this](const auto& system, const auto& request) {
+                            ++runs;
+                            return engine(system, request);
+                          },
+                          store};
+  Routes routes{contours, store};
+};
+
+TEST_F(RoutesTest, answers_as_the_contract_says) {
+  const HttpResponse response = post(ball_request());
+  EXPECT_EQ(response.status, 200);
+  EXPECT_EQ(response.content_type, "application/json");
+  const json answer = json::parse(response.body);
+  const std::string id = answer["id"];
+  EXPECT_EQ(answer["engine_version"], "0.1.0");
+  EXPECT_EQ(answer["complete"], true);
+  EXPECT_EQ(answer["families"], json::parse(R"([{"id":0,"surfaces":["ball"],"flux":0.42}])"));
+  EXPECT_EQ(answer["completeness"], json::parse(R"({"certified":false,"undecided_cells":0})"));
+  EXPECT_EQ(answer["work"]["evaluations"], 1234);
+  ASSERT_EQ(answer["curves"].size(), 3u);
+  json isolux = answer["curves"][0], caustic = answer["curves"][2];
+  EXPECT_NEAR(isolux["length"].get<double>(), 2 * 3.14159 * 3, 0.05);
+  isolux.erase("length");
+  caustic.erase("length");
+  EXPECT_EQ(isolux, json::parse(R"({"curve_id":0,"kind":"isolux","level":0.0003,"measure":"sheet",
+      "family_id":0,"parity":1,"closed":true,"ends":[],"vertices":64,"max_residual":1e-12})"));
+  EXPECT_EQ(caustic, json::parse(R"({"curve_id":2,"kind":"caustic","level":null,"measure":"sheet",
+      "family_id":0,"parity":0,"closed":false,"ends":["aperture","receiver_edge"],"vertices":64,
+      "max_residual":1e-12})"));
+  for (const char* suffix : {"vtp", "vtk", "svg", "geojson", "csv"})
+    EXPECT_EQ(answer["files"][suffix], "/v1/results/" + id + "." + suffix);
+  EXPECT_EQ(answer["files"].size(), 5u);
+}
+
+TEST_F(RoutesTest, serves_what_it_stored) {
+  const std::string body = post(ball_request()).body;
+  const json answer = json::parse(body);
+  const std::string place = "/v1/results/" + answer["id"].get<std::string>();
+  EXPECT_EQ(ask("GET", place).body, body);
+  EXPECT_EQ(ask("GET", place + "?x=1").body, body);
+  for (const Format& format : formats()) {
+    const HttpResponse file = ask("GET", answer["files"][format.suffix]);
+    EXPECT_EQ(file.status, 200);
+    EXPECT_EQ(file.content_type, format.media_type);
+    ASSERT_EQ(file.headers.size(), 1u);
+    EXPECT_EQ(file.headers[0].second, "attachment; filename=" + answer["id"].get<std::string>() + "." +
+                                          format.suffix);
+    EXPECT_FALSE(file.body.empty());
+    EXPECT_EQ(ask("HEAD", answer["files"][format.suffix]).status, 200);
+  }
+}
+
+TEST_F(RoutesTest, computes_once) {
+  const std::string first = post(ball_request()).body;
+  EXPECT_EQ(post(ball_request()).body, first);
+  json other_limits = ball_request();
+  other_limits["limits"] = {{"time_ms", 10}};
+  EXPECT_EQ(post(other_limits).body, first);
+  EXPECT_EQ(runs, 1);
+}
+
+TEST_F(RoutesTest, writes_nothing_if_told_so) {
+  json request = ball_request();
+  request["store"] = false;
+  const json answer = json::parse(post(request).body);
+  EXPECT_EQ(answer["files"], json::object());
+  EXPECT_EQ(answer["geojson"]["features"].size(), 3u);
+  EXPECT_EQ(folder.entries(), 0u);
+  EXPECT_EQ(ask("GET", "/v1/results/" + answer["id"].get<std::string>()).status, 404);
+}
+
+TEST_F(RoutesTest, a_result_cut_by_a_limit_never_answers_again) {
+  engine = [](const auto& system, const auto& request) {
+    auto result = test::draw_circles(system, request);
+    result.complete = false;
+    result.curves[0].closed = false;
+    result.curves[0].ends = {solver::Ending::limit, solver::Ending::limit};
+    result.warnings = {{"limit", "out of time"}};
+    return result;
+  };
+  const json first = json::parse(post(ball_request()).body);
+  const json second = json::parse(post(ball_request()).body);
+  EXPECT_EQ(first["complete"], false);
+  EXPECT_EQ(first["warnings"][0]["code"], "limit");
+  EXPECT_EQ(first["curves"][0]["ends"], json::parse(R"(["limit","limit"])"));
+  EXPECT_NE(first["id"], second["id"]);
+  EXPECT_EQ(runs, 2);
+  EXPECT_EQ(ask("GET", first["files"]["vtp"]).status, 200);
+  engine = test::draw_circles;
+  const json whole = json::parse(post(ball_request()).body);
+  EXPECT_EQ(whole["complete"], true);
+  EXPECT_NE(whole["id"], first["id"]);
+}
+
+TEST_F(RoutesTest, no_number_that_is_not_finite_leaves) {
+  engine = [](const auto& system, const auto& request) {
+    auto result = test::draw_circles(system, request);
+    result.curves[1].vertices[5].gradient.x() = std::nan("");
+    result.families[0].flux = geometry::kInfinity;
+    return result;
+  };
+  const json answer = json::parse(post(ball_request()).body);
+  EXPECT_EQ(answer["curves"].size(), 2u);
+  EXPECT_EQ(answer["warnings"][0]["code"], "not_finite");
+  EXPECT_TRUE(answer["families"][0]["flux"].is_null());
+}
+
+TEST_F(RoutesTest, names_faults_as_problem_json) {
+  json request = ball_request();
+  request["levels"] = {-1};
+  test::surface(request)["shape"]["radius"] = -1;
+  const HttpResponse response = post(request);
+  EXPECT_EQ(response.status, 422);
+  EXPECT_EQ(response.content_type, "application/problem+json");
+  const json problem = json::parse(response.body);
+  EXPECT_EQ(problem["type"], "about:blank");
+  EXPECT_EQ(problem["status"], 422);
+  EXPECT_EQ(problem["title"], "Unprocessable Content");
+  EXPECT_TRUE(problem["detail"].is_string());
+  ASSERT_EQ(problem["errors"].size(), 2u);
+  EXPECT_EQ(problem["errors"][0]["pointer"], "/scene/surfaces/0/shape/radius");
+  EXPECT_EQ(problem["errors"][1]["pointer"], "/levels/0");
+  EXPECT_EQ(folder.entries(), 0u);
+  EXPECT_EQ(runs, 0);
+}
+
+TEST_F(RoutesTest, refuses_what_is_not_served) {
+  const std::tuple<const char*, std::string, int> cases[] = {
+      {"GET", "/", 404},
+      {"GET", "", 404},
+      {"GET", "*", 404},
+      {"GET", "/v1/contours/", 404},
+      {"POST", "/nothing", 404},
+      {"GET", "/v1/contours", 405},
+      {"DELETE", "/v1/contours", 405},
+      {"POST", "/healthz", 405},
+      {"PUT", "/v1/results/" + std::string(64, 'a'), 405},
+      {"BREW", "/v1/examples", 405},
+      {"GET", "/v1/results/" + std::string(64, 'a'), 404},
+      {"GET", "/v1/results/" + std::string(64, 'A'), 404},
+      {"GET", "/v1/results/" + std::string(63, 'a'), 404},
+      {"GET", "/v1/results/" + std::string(64, 'a') + ".vtp", 404},
+      {"GET", "/v1/results/" + std::string(64, 'a') + ".exe", 404},
+      {"GET", "/v1/results/..", 404},
+      {"GET", "/v1/results/../../etc/passwd", 404},
+      {"GET", "/v1/results/%2e%2e%2fetc%2fpasswd", 404},
+      {"GET", "/v1/results/", 404},
+      {"GET", "/v1/examples/", 404},
+      {"GET", "/v1/examples/none", 404},
+      {"GET", "/" + std::string(5000, 'a'), 414},
+  };
+  for (const auto& [method, target, status] : cases) {
+    const HttpResponse response = ask(method, target);
+    EXPECT_EQ(response.status, status) << method << " " << target;
+    EXPECT_EQ(json::parse(response.body)["status"], status);
+  }
+  EXPECT_EQ(ask("GET", "/v1/contours").headers,
+            (std::vector<std::pair<std::string, std::string>>{{"Allow", "POST"}}));
+}
+
+TEST_F(RoutesTest, a_file_name_is_an_id_and_one_known_suffix) {
+  const std::string id = json::parse(post(ball_request()).body)["id"];
+  for (const char* suffix : {".exe", ".", ".vtp.vtk", ".VTP", ".record", "..vtp", ".vtp%00", "/x"})
+    EXPECT_EQ(ask("GET", "/v1/results/" + id + suffix).status, 404) << suffix;
+}
+
+TEST_F(RoutesTest, wants_the_right_content_type) {
+  const std::string body = ball_request().dump();
+  for (const char* type : {"", "text/plain", "application/jsonx", "application/x-www-form-urlencoded",
+                           "multipart/form-data; boundary=x", ";application/json"})
+    EXPECT_EQ(ask("POST", "/v1/contours", body, type).status, 415) << type;
+  for (const char* type : {"application/json", "Application/JSON", "application/json; charset=utf-8",
+                           "application/json ;x=y"})
+    EXPECT_EQ(ask("POST", "/v1/contours", body, type).status, 200) << type;
+}
+
+TEST_F(RoutesTest, a_body_over_the_limit_is_413) {
+  EXPECT_EQ(routes.answer({"POST", "/v1/contours", "application/json", "", true}).status, 413);
+}
+
+TEST_F(RoutesTest, what_breaks_inside_stays_inside) {
+  engine = [](const auto&, const auto&) -> solver::ContourResult {
+    throw std::runtime_error("the secret of /etc");
+  };
+  testing::internal::CaptureStderr();
+  const HttpResponse response = post(ball_request());
+  EXPECT_NE(testing::internal::GetCapturedStderr().find("the secret"), std::string::npos);
+  EXPECT_EQ(response.status, 500);
+  EXPECT_EQ(response.body.find("secret"), std::string::npos);
+  engine = [](const auto&, const auto&) -> solver::ContourResult { throw 7; };
+  EXPECT_EQ(post(ball_request()).status, 500);
+}
+
+TEST_F(RoutesTest, every_example_is_a_good_request) {
+  const json list = json::parse(ask("GET", "/v1/examples").body)["examples"];
+  EXPECT_GE(list.size(), 2u);
+  for (const json& example : list) {
+    EXPECT_FALSE(example["title"].get<std::string>().empty());
+    const HttpResponse body = ask("GET", "/v1/examples/" + example["name"].get<std::string>());
+    EXPECT_EQ(body.status, 200);
+    const HttpResponse answer = ask("POST", "/v1/contours", body.body);
+    EXPECT_EQ(answer.status, 200) << example["name"] << answer.body;
+  }
+}
+
+TEST_F(RoutesTest, tells_its_health_and_its_contract) {
+  EXPECT_EQ(json::parse(ask("GET", "/healthz").body),
+            json::parse(R"({"status":"ok","version":"0.1.0"})"));
+  const json document = json::parse(ask("GET", "/openapi.json").body);
+  EXPECT_EQ(document["openapi"], "3.1.0");
+  EXPECT_EQ(document["info"]["version"], "0.1.0");
+}
+
+TEST(StoppingService, ends_what_runs) {
+  const test::TemporaryFolder folder;
+  const ResultStore store(folder.path());
+  std::atomic<bool> stopping = false;
+  const ContourService contours(
+      [&stopping](const auto& system, const auto& request) {
+        stopping = true;
+        EXPECT_TRUE(*request.cancelled);
+        return test::draw_circles(system, request);
+      },
+      store, &stopping);
+  EXPECT_EQ(Routes(contours, store)
+                .answer({"POST", "/v1/contours", "application/json", ball_request().dump(), false})
+                .status,
+            503);
+  EXPECT_EQ(folder.entries(), 0u);
+}
+
+}  // namespace
+}  // namespace caustic::service

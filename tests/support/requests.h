@@ -1,0 +1,25 @@
+// Request bodies for tests, to be changed member by member.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace caustic::test {
+
+/// A mirror ball over a receiver; a name that XML and JSON must escape.
+inline nlohmann::json ball_request() {
+  return nlohmann::json::parse(R"({
+    "scene": {
+      "light": {"type": "point", "position": [0.3, 0.2, 4], "intensity": 1},
+      "surfaces": [{"name": "ball", "shape": {"type": "sphere", "center": [0, 0, 0], "radius": 1},
+                    "optics": {"type": "mirror", "reflectance": 1}}],
+      "receiver": {"type": "plane", "origin": [0, 0, 6], "u_axis": [1, 0, 0], "v_axis": [0, 1, 0],
+                   "size": [12, 12]}},
+    "levels": [0.0003, 0.0005]})");
+}
+
+inline nlohmann::json& surface(nlohmann::json& request, std::size_t i = 0) {
+  return request["scene"]["surfaces"][i];
+}
+
+}  // namespace caustic::test
