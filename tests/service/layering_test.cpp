@@ -1,4 +1,5 @@
-// The house's rules about includes: geometry <- solver <- service, and each big library behind one file.
+// The house's rules about includes: geometry <- solver <- service, and each big library behind one
+// file.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -47,7 +48,8 @@ TEST(Layering, each_big_library_is_behind_one_file) {
                                                         {"CLI/", "service/cli/command_line.cpp"}};
   for (const auto& [file, included] : includes_below("service"))
     for (const auto& [library, owner] : owners)
-      EXPECT_TRUE(!included.starts_with(library) || file == owner) << file << " includes " << included;
+      EXPECT_TRUE(!included.starts_with(library) || file == owner)
+          << file << " includes " << included;
 }
 
 }  // namespace
