@@ -1,4 +1,5 @@
-// One POST from body to answer: read, look up, trace, store. Knows neither HTTP nor the command line.
+// One POST from body to answer: read, look up, trace, store. Knows neither HTTP nor the command
+// line.
 #pragma once
 
 #include <atomic>
@@ -19,7 +20,8 @@ using Engine = std::function<solver::ContourResult(const solver::OpticalSystem&,
 class ContourService {
  public:
   /// When `stopping` becomes true, running work ends with 503.
-  ContourService(Engine engine, const ResultStore& store, const std::atomic<bool>* stopping = nullptr)
+  ContourService(Engine engine, const ResultStore& store,
+                 const std::atomic<bool>* stopping = nullptr)
       : engine_(std::move(engine)), store_(store), stopping_(stopping) {}
 
   /// The answer. Throws ProblemError for a bad request.

@@ -115,8 +115,8 @@ PolylineSet to_polylines(const ContourCall& call, ContourResult& result) {
   return out;
 }
 
-std::string answer_json(const ContourCall& call, const ContourResult& result,
-                        const std::string& id, bool stored, const std::string& geojson) {
+std::string answer_json(const ContourCall& call, const ContourResult& result, const std::string& id,
+                        bool stored, const std::string& geojson) {
   const double metres = call.units.length.metres;
   auto curves = ordered_json::array();
   for (std::size_t i = 0; i < result.curves.size(); ++i)
@@ -126,18 +126,18 @@ std::string answer_json(const ContourCall& call, const ContourResult& result,
     skipped.push_back({{"stage", stage}, {"reason", reason}});
   for (const auto& [code, detail] : result.warnings)
     warnings.push_back({{"code", code}, {"detail", detail}});
-  std::string out = write_json(ordered_json{
-      {"id", id},
-      {"engine_version", kEngineVersion},
-      {"complete", result.complete},
-      {"families", families_json(call, result)},
-      {"curves", std::move(curves)},
-      {"completeness",
-       {{"certified", result.certified}, {"undecided_cells", result.undecided_cells}}},
-      {"skipped", std::move(skipped)},
-      {"work", {{"evaluations", result.evaluations}, {"seconds", result.seconds}}},
-      {"warnings", std::move(warnings)},
-      {"files", files_json(id, stored)}});
+  std::string out = write_json(
+      ordered_json{{"id", id},
+                   {"engine_version", kEngineVersion},
+                   {"complete", result.complete},
+                   {"families", families_json(call, result)},
+                   {"curves", std::move(curves)},
+                   {"completeness",
+                    {{"certified", result.certified}, {"undecided_cells", result.undecided_cells}}},
+                   {"skipped", std::move(skipped)},
+                   {"work", {{"evaluations", result.evaluations}, {"seconds", result.seconds}}},
+                   {"warnings", std::move(warnings)},
+                   {"files", files_json(id, stored)}});
   if (!geojson.empty()) {
     out.back() = ',';
     out += "\"geojson\":" + geojson + "}";

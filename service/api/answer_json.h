@@ -13,8 +13,8 @@ namespace caustic::service {
 /// `result`, with a warning: such a number must not leave.
 PolylineSet to_polylines(const ContourCall& call, solver::ContourResult& result);
 
-/// The document of api.md, `result` having gone through to_polylines(). `stored` says whether there are
-/// files; if not and `geojson` is not empty, it is put into the answer.
+/// The document of api.md, `result` having gone through to_polylines(). `stored` says whether there
+/// are files; if not and `geojson` is not empty, it is put into the answer.
 std::string answer_json(const ContourCall& call, const solver::ContourResult& result,
                         const std::string& id, bool stored, const std::string& geojson = {});
 

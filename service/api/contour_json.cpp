@@ -81,12 +81,14 @@ void read_level_rule(const JsonPlace& place, LevelRequest& out, Faults& faults) 
   if (spacing == "linear") out.spacing = LevelRequest::Spacing::linear;
   if (spacing == "1-2-5") out.spacing = LevelRequest::Spacing::one_two_five;
   const std::size_t faults_before = faults.count();
-  if (const auto min = levels.optional_member("min")) out.min = read_number(*min, kPositive, faults);
+  if (const auto min = levels.optional_member("min"))
+    out.min = read_number(*min, kPositive, faults);
   const auto max = levels.optional_member("max");
   if (!max) return;
   out.max = read_number(*max, kPositive, faults);
   if (faults.count() != faults_before) return;
-  if (out.min && *out.min >= *out.max) faults.add(max->pointer, "must be greater than min");
+  if (out.min && *out.min >= *out.max)
+    faults.add(max->pointer, "must be greater than min");
   else if (too_many_one_two_five(out))
     faults.add(place.pointer, "more than " + std::to_string(kMaxLevels) + " levels");
 }
@@ -107,9 +109,12 @@ void read_include(ObjectReader& root, ContourRequest& request) {
   request.isolux = request.caustic = false;
   for (const JsonPlace& word : read_elements(place, 100, faults)) {
     const std::string name = read_string(word, faults);
-    if (name == "isolux") request.isolux = true;
-    else if (name == "caustic") request.caustic = true;
-    else if (name == "critical_points" || name == "boundaries") faults.not_supported(word.pointer, name);
+    if (name == "isolux")
+      request.isolux = true;
+    else if (name == "caustic")
+      request.caustic = true;
+    else if (name == "critical_points" || name == "boundaries")
+      faults.not_supported(word.pointer, name);
     else if (word.value->is_string())
       faults.add(word.pointer, "must be one of: isolux, caustic, critical_points, boundaries");
   }
@@ -133,8 +138,7 @@ void read_tolerance(ObjectReader& root, const Scene& scene, ContourRequest& requ
 
 void read_limits(ObjectReader& root, ContourRequest& request) {
   ObjectReader limits(root.member_or("limits", json::object()), root.faults());
-  request.time_limit =
-      1e-3 * limits.number_or("time_ms", {0.0, kMaxTimeMs, true}, kDefaultTimeMs);
+  request.time_limit = 1e-3 * limits.number_or("time_ms", {0.0, kMaxTimeMs, true}, kDefaultTimeMs);
   request.vertex_limit = static_cast<std::size_t>(
       read_integer(limits.member_or("vertices", kDefaultVertices), 1, kMaxVertices, root.faults()));
 }

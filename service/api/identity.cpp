@@ -40,8 +40,8 @@ std::string random_id() {
 
 bool is_id(std::string_view text) {
   return text.size() == 2 * kBytes && std::all_of(text.begin(), text.end(), [](char c) {
-    return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f');
-  });
+           return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f');
+         });
 }
 
 }  // namespace caustic::service

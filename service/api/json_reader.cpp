@@ -15,9 +15,12 @@ using nlohmann::json;
 std::string escaped(std::string_view key) {
   std::string out;
   for (char c : key) {
-    if (c == '~') out += "~0";
-    else if (c == '/') out += "~1";
-    else out += c;
+    if (c == '~')
+      out += "~0";
+    else if (c == '/')
+      out += "~1";
+    else
+      out += c;
   }
   return out;
 }
@@ -95,8 +98,8 @@ std::vector<double> read_numbers(const JsonPlace& place, std::size_t count, cons
     return out;
   }
   for (std::size_t i = 0; i < count; ++i)
-    out[i] = read_number({&(*place.value)[i], place.pointer + '/' + std::to_string(i)}, range,
-                         faults);
+    out[i] =
+        read_number({&(*place.value)[i], place.pointer + '/' + std::to_string(i)}, range, faults);
   return out;
 }
 
@@ -194,7 +197,8 @@ geometry::Vec3 ObjectReader::vector(const std::string& key, const Range& range) 
 
 geometry::Direction ObjectReader::direction(const std::string& key) {
   const geometry::Vec3 value = vector(key);
-  const double largest = value.cwiseAbs().maxCoeff();  // scaled first: a tiny vector has a direction
+  const double largest =
+      value.cwiseAbs().maxCoeff();  // scaled first: a tiny vector has a direction
   if (largest > 0.0) return (value / largest).normalized();
   faults_.add(pointer_to(key), "must not be the zero vector");
   return geometry::Direction::UnitZ();

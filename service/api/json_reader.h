@@ -1,6 +1,6 @@
-// Typed reading of a JSON document that notes every fault with its pointer instead of stopping at the
-// first. Defaults are written into the document as they are taken, unknown members are faults: after a
-// faultless reading the document is the canonical request.
+// Typed reading of a JSON document that notes every fault with its pointer instead of stopping at
+// the first. Defaults are written into the document as they are taken, unknown members are faults:
+// after a faultless reading the document is the canonical request.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

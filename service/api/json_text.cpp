@@ -12,7 +12,9 @@ namespace {
 
 using nlohmann::json;
 
-[[noreturn]] void refuse(const std::string& detail) { throw ProblemError(make_problem(400, detail)); }
+[[noreturn]] void refuse(const std::string& detail) {
+  throw ProblemError(make_problem(400, detail));
+}
 
 /// A piece of hostile text, fit for a message.
 std::string quoted(std::string&& text) {
@@ -99,8 +101,11 @@ void write(std::string& out, const Json& value) {
       }
       out += ']';
       break;
-    case Json::value_t::number_float: append_number(out, value.template get<double>()); break;
-    default: out += value.dump();
+    case Json::value_t::number_float:
+      append_number(out, value.template get<double>());
+      break;
+    default:
+      out += value.dump();
   }
 }
 

@@ -33,9 +33,11 @@ solver::Light read_point_light(ObjectReader& light, double metres) {
   const auto power = light.optional_member("power");
   const auto intensity = light.optional_member("intensity");
   if (power && intensity) light.faults().add(power->pointer, "give intensity or power, not both");
-  if (intensity) return solver::PointLight{position, read_number(*intensity, kPositive, light.faults())};
+  if (intensity)
+    return solver::PointLight{position, read_number(*intensity, kPositive, light.faults())};
   if (power)
-    return solver::PointLight{position, read_number(*power, kPositive, light.faults()) / (4.0 * kPi)};
+    return solver::PointLight{position,
+                              read_number(*power, kPositive, light.faults()) / (4.0 * kPi)};
   light.faults().add(light.pointer_to("intensity"), "missing (intensity or power)");
   return solver::PointLight{position, 1.0};
 }
@@ -81,10 +83,11 @@ solver::Optics read_optics(ObjectReader& surface) {
   }
   const auto n = optics.optional_member("n"), k = optics.optional_member("k");
   for (const auto& constant : {n, k})
-    if (constant)
-      surface.faults().not_supported(constant->pointer, "a metal given by its n and k");
-  if (!n && !k) out.reflectance = optics.number_or("reflectance", {0.0, 1.0, true}, 1.0);
-  else optics.ignore_the_rest();
+    if (constant) surface.faults().not_supported(constant->pointer, "a metal given by its n and k");
+  if (!n && !k)
+    out.reflectance = optics.number_or("reflectance", {0.0, 1.0, true}, 1.0);
+  else
+    optics.ignore_the_rest();
   return out;
 }
 
@@ -93,9 +96,8 @@ std::string read_name(ObjectReader& surface) {
   const auto place = surface.member("name");
   if (!place) return {};
   const std::string name = read_string(*place, surface.faults());
-  const bool printable = std::none_of(name.begin(), name.end(), [](unsigned char c) {
-    return c < 0x20 || c == 0x7f;
-  });
+  const bool printable =
+      std::none_of(name.begin(), name.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; });
   if (place->value->is_string() && (name.empty() || name.size() > 200 || !printable))
     surface.faults().add(place->pointer, "must be 1 to 200 bytes without control characters");
   return name;
@@ -106,7 +108,8 @@ solver::SystemSurface read_surface(const JsonPlace& place, double metres, Faults
   solver::SystemSurface out;
   out.name = read_name(surface);
   const geometry::Pose pose = read_pose(surface, metres);
-  if (const auto shape = surface.member("shape")) out.shape = read_shape(*shape, metres, pose, faults);
+  if (const auto shape = surface.member("shape"))
+    out.shape = read_shape(*shape, metres, pose, faults);
   out.optics = read_optics(surface);
   const JsonPlace aperture = surface.member_or("aperture", json::array());
   for (const JsonPlace& part : read_elements(aperture, kMaxApertures, faults))

@@ -21,8 +21,8 @@ struct Scene {
   geometry::ReceiverFrame receiver;
 };
 
-/// Notes every fault; the scene means something only if there is none. A surface whose description is
-/// faulty has no shape, but it has its name.
+/// Notes every fault; the scene means something only if there is none. A surface whose description
+/// is faulty has no shape, but it has its name.
 Scene read_scene(const JsonPlace& place, Faults& faults);
 
 }  // namespace caustic::service

@@ -95,9 +95,9 @@ SurfacePtr read_conic(const ShapeContext& in) {
 using ShapeReader = SurfacePtr (*)(const ShapeContext&);
 
 constexpr std::pair<const char*, ShapeReader> kShapes[] = {
-    {"plane", read_plane},     {"sphere", read_sphere}, {"ellipsoid", read_ellipsoid},
+    {"plane", read_plane},     {"sphere", read_sphere},     {"ellipsoid", read_ellipsoid},
     {"quadric", read_quadric}, {"cylinder", read_cylinder}, {"cone", read_cone},
-    {"torus", read_torus},     {"conic", read_conic},   {"revolution", nullptr},
+    {"torus", read_torus},     {"conic", read_conic},       {"revolution", nullptr},
     {"sag", nullptr},          {"expression", nullptr}};
 
 std::vector<std::string> shape_names() {
@@ -134,8 +134,7 @@ SurfacePtr read_shape(const JsonPlace& place, double metres, const Pose& pose, F
 void read_aperture(const JsonPlace& place, double metres, std::vector<geometry::Bound>& bounds,
                    Faults& faults) {
   ObjectReader aperture(place, faults);
-  const std::string type =
-      aperture.word("type", {"box", "cylinder", "half_space", "expression"});
+  const std::string type = aperture.word("type", {"box", "cylinder", "half_space", "expression"});
   if (type == "box") {
     read_box(aperture, metres, bounds);
   } else if (type == "cylinder") {

@@ -12,13 +12,16 @@ void add_serve(CLI::App& app, ServeOptions& options) {
   auto* command = app.add_subcommand("serve", "start the HTTP service");
   command->add_option("--host", options.server.host, "address to listen on")->capture_default_str();
   command->add_option("--port", options.server.port, "0 picks a free one")
-      ->check(CLI::Range(0, 65535))->capture_default_str();
+      ->check(CLI::Range(0, 65535))
+      ->capture_default_str();
   command->add_option("--data", options.data,
                       "folder of the results (default ${XDG_CACHE_HOME:-~/.cache}/isocaustic)");
   command->add_option("--max-body", options.server.max_body, "largest request body, bytes")
-      ->check(CLI::Range(std::size_t{1}, std::size_t{1} << 30))->capture_default_str();
+      ->check(CLI::Range(std::size_t{1}, std::size_t{1} << 30))
+      ->capture_default_str();
   command->add_option("--threads", options.server.threads, "connections served at a time")
-      ->check(CLI::Range(1, 1024))->capture_default_str();
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
   command->add_flag("--public", options.open_to_all, "allow a host other than loopback");
 }
 
@@ -47,7 +50,9 @@ int run_command_line(int argc, char** argv) {
   ServerOptions health;
   auto* health_command = app.add_subcommand("health", "ask a running service whether it is well");
   health_command->add_option("--host", health.host)->capture_default_str();
-  health_command->add_option("--port", health.port)->check(CLI::Range(1, 65535))->capture_default_str();
+  health_command->add_option("--port", health.port)
+      ->check(CLI::Range(1, 65535))
+      ->capture_default_str();
 
   try {
     app.parse(argc, argv);

@@ -9,7 +9,7 @@ namespace caustic::service {
 
 struct ServeOptions {
   ServerOptions server;
-  std::string data;    ///< folder of the results; empty: the user's cache folder
+  std::string data;          ///< folder of the results; empty: the user's cache folder
   bool open_to_all = false;  ///< a host other than loopback is meant
 };
 int serve(const ServeOptions& options);

@@ -31,8 +31,8 @@ sigset_t stop_signals() {
   return signals;
 }
 
-/// Waits in a thread of its own for SIGTERM or SIGINT, which are blocked in all others, and then stops
-/// the server and what it computes.
+/// Waits in a thread of its own for SIGTERM or SIGINT, which are blocked in all others, and then
+/// stops the server and what it computes.
 class StopOnSignal {
  public:
   StopOnSignal(Server& server, std::atomic<bool>& stopping)
@@ -66,7 +66,8 @@ int listen(Server& server, const std::string& host, std::atomic<bool>& stopping)
   {
     const StopOnSignal stop(server, stopping);
     const bool v6 = host.find(':') != host.npos;
-    std::cout << "listening on http://" << (v6 ? "[" + host + "]" : host) << ':' << port << std::endl;
+    std::cout << "listening on http://" << (v6 ? "[" + host + "]" : host) << ':' << port
+              << std::endl;
     server.listen();
     if (stopping) return kDone;
   }

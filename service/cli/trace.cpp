@@ -24,7 +24,8 @@ std::optional<std::string> read_all(const std::string& path) {
 }
 
 bool write_all(const std::string& path, const std::string& bytes) {
-  if (path == "-") return static_cast<bool>(std::cout.write(bytes.data(), std::ssize(bytes)).flush());
+  if (path == "-")
+    return static_cast<bool>(std::cout.write(bytes.data(), std::ssize(bytes)).flush());
   std::ofstream out(path, std::ios::binary);
   return static_cast<bool>(out.write(bytes.data(), std::ssize(bytes)).flush());
 }
@@ -43,7 +44,8 @@ std::string output_bytes(const std::string& format, ContourCall& call,
     std::cerr << "warning: " << code << ": " << detail << std::endl;
   if (const Format* file = find_format(format)) return file->write(curves);
   return answer_json(call, result, result_id(call, result), false,
-                     call.store ? std::string() : write_geojson(curves)) + "\n";
+                     call.store ? std::string() : write_geojson(curves)) +
+         "\n";
 }
 
 int report(const Problem& problem) {
@@ -70,8 +72,8 @@ int trace_or_throw(const TraceOptions& options, const std::string& format) {
 int trace(const TraceOptions& options) {
   const std::string format = format_name(options);
   if (format != "json" && !find_format(format))
-    return report(make_problem(400, "unknown format '" + format +
-                                        "': vtp, vtk, svg, geojson, csv or json"));
+    return report(
+        make_problem(400, "unknown format '" + format + "': vtp, vtk, svg, geojson, csv or json"));
   try {
     return trace_or_throw(options, format);
   } catch (const ProblemError& error) {
@@ -85,7 +87,8 @@ int trace(const TraceOptions& options) {
 int print_example(const std::string& name) {
   if (name.empty()) {
     for (const Example& example : examples())
-      std::cout << example.name << std::string(20 - std::min<std::size_t>(19, example.name.size()), ' ')
+      std::cout << example.name
+                << std::string(20 - std::min<std::size_t>(19, example.name.size()), ' ')
                 << example.title << '\n';
     return kDone;
   }

@@ -1,5 +1,5 @@
-// The file formats, as one table. A writer is a pure function: the same set gives the same bytes, at any
-// time and in any thread.
+// The file formats, as one table. A writer is a pure function: the same set gives the same bytes,
+// at any time and in any thread.
 #pragma once
 
 #include <span>

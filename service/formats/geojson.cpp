@@ -9,14 +9,14 @@ namespace {
 using nlohmann::ordered_json;
 
 std::string properties(const Polyline& curve, std::size_t id) {
-  return write_json(ordered_json{
-      {"curve_id", id},
-      {"kind", word(curve.kind)},
-      {"level", curve.is_caustic() ? ordered_json() : ordered_json(curve.level)},
-      {"closed", curve.closed != 0},
-      {"family_id", curve.family_id},
-      {"parity", curve.parity},
-      {"length", curve.length}});
+  return write_json(
+      ordered_json{{"curve_id", id},
+                   {"kind", word(curve.kind)},
+                   {"level", curve.is_caustic() ? ordered_json() : ordered_json(curve.level)},
+                   {"closed", curve.closed != 0},
+                   {"family_id", curve.family_id},
+                   {"parity", curve.parity},
+                   {"length", curve.length}});
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Traced curves as every file format needs them: in the user's length unit, with their labels. What a
-// result record holds; knows neither JSON nor files nor the engine.
+// Traced curves as every file format needs them: in the user's length unit, with their labels. What
+// a result record holds; knows neither JSON nor files nor the engine.
 #pragma once
 
 #include <array>
@@ -26,10 +26,10 @@ enum class PolylineKind : std::int32_t { isolux = 0, caustic = 1 };
 
 struct Polyline {
   PolylineKind kind;
-  std::int32_t closed;     ///< the last vertex joins the first, which is not repeated here
+  std::int32_t closed;  ///< the last vertex joins the first, which is not repeated here
   std::int32_t family_id;
   std::int32_t parity;
-  double level;            ///< −1 for caustics
+  double level;  ///< −1 for caustics
   double length;
   std::uint64_t first, count;  ///< its vertices in the set
 

@@ -1,5 +1,5 @@
-// A labelled isolux diagram: axes in the user's length unit, a colour for each level, the level written
-// on its curves, caustics dashed, a legend.
+// A labelled isolux diagram: axes in the user's length unit, a colour for each level, the level
+// written on its curves, caustics dashed, a legend.
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -25,16 +25,22 @@ constexpr const char* kStyle =
     ".label{font-size:11px;text-anchor:middle;paint-order:stroke;stroke:#fff;stroke-width:4px;"
     "stroke-linejoin:round}</style>\n";
 
-std::string element(const char* name, std::initializer_list<std::pair<const char*, std::string>> attributes) {
+std::string element(const char* name,
+                    std::initializer_list<std::pair<const char*, std::string>> attributes) {
   std::string out(1, '<');
   out += name;
-  for (const auto& [key, value] : attributes) out.append(" ").append(key).append("=\"").append(value).append("\"");
+  for (const auto& [key, value] : attributes)
+    out.append(" ").append(key).append("=\"").append(value).append("\"");
   return out;
 }
 
 std::string line(const char* style, const Pixel& a, const Pixel& b) {
-  return element("line", {{"class", style}, {"x1", pixel_text(a.x)}, {"y1", pixel_text(a.y)},
-                          {"x2", pixel_text(b.x)}, {"y2", pixel_text(b.y)}}) + "/>\n";
+  return element("line", {{"class", style},
+                          {"x1", pixel_text(a.x)},
+                          {"y1", pixel_text(a.y)},
+                          {"x2", pixel_text(b.x)},
+                          {"y2", pixel_text(b.y)}}) +
+         "/>\n";
 }
 
 std::string text(const Pixel& at, const char* anchor, const std::string& what,
@@ -43,7 +49,9 @@ std::string text(const Pixel& at, const char* anchor, const std::string& what,
   std::string out = element("text", {{"x", x}, {"y", y}, {"text-anchor", anchor}});
   if (*style) out.append(" class=\"").append(style).append("\"");
   if (degrees != 0.0)
-    out.append(" transform=\"rotate(").append(pixel_text(degrees) + ' ' + x + ' ' + y).append(")\"");
+    out.append(" transform=\"rotate(")
+        .append(pixel_text(degrees) + ' ' + x + ' ' + y)
+        .append(")\"");
   return out.append(">").append(what).append("</text>\n");
 }
 
@@ -71,14 +79,16 @@ std::string axes(const PolylineSet& set, const SvgPlot& plot) {
   for (double u : ticks(0.5 * set.receiver_size[0])) {
     const double x = plot.pixel({u, 0}).x;
     grid += line("grid", {x, SvgPlot::kTop}, {x, bottom});
-    marks += line("tick", {x, bottom}, {x, bottom + 5}) + text({x, bottom + 19}, "middle", label_text(u));
+    marks += line("tick", {x, bottom}, {x, bottom + 5}) +
+             text({x, bottom + 19}, "middle", label_text(u));
   }
   for (double v : ticks(0.5 * set.receiver_size[1])) {
     const double y = plot.pixel({0, v}).y;
     grid += line("grid", {left, y}, {left + plot.width(), y});
     marks += line("tick", {left - 5, y}, {left, y}) + text({left - 9, y + 4}, "end", label_text(v));
   }
-  const Pixel below{left + 0.5 * plot.width(), bottom + 44}, beside{34, SvgPlot::kTop + 0.5 * plot.height()};
+  const Pixel below{left + 0.5 * plot.width(), bottom + 44},
+      beside{34, SvgPlot::kTop + 0.5 * plot.height()};
   return grid + marks + text(below, "middle", "u [" + set.length_unit + "]") +
          text(beside, "middle", "v [" + set.length_unit + "]", "", -90);
 }
@@ -115,7 +125,8 @@ std::string curves(const PolylineSet& set, const SvgPlot& plot, const std::vecto
     paths += path(curve, id, pixels, color_of(curve, levels));
     if (curve.is_caustic()) continue;
     const std::string what = label_text(curve.level);
-    for (const SvgLabel& label : placer.place(pixels, 0.62 * kFontSize * static_cast<double>(what.size())))
+    for (const SvgLabel& label :
+         placer.place(pixels, 0.62 * kFontSize * static_cast<double>(what.size())))
       labels += text({label.at.x, label.at.y + 4}, "middle", what, "label", label.degrees);
   }
   return "<g clip-path=\"url(#receiver)\">\n" + paths + "</g>\n" + labels;
@@ -130,8 +141,11 @@ std::string legend(const PolylineSet& set, const SvgPlot& plot, const std::vecto
     y += 22;
     out += element("line", {{"class", curve.is_caustic() ? "curve caustic" : "curve"},
                             {"stroke", color_of(curve, levels)},
-                            {"x1", pixel_text(x)}, {"y1", pixel_text(y - 4)},
-                            {"x2", pixel_text(x + 30)}, {"y2", pixel_text(y - 4)}}) + "/>\n";
+                            {"x1", pixel_text(x)},
+                            {"y1", pixel_text(y - 4)},
+                            {"x2", pixel_text(x + 30)},
+                            {"y2", pixel_text(y - 4)}}) +
+           "/>\n";
     out += text({x + 40, y}, "start", what);
   };
   const std::size_t stride = (levels.size() + kMostLegendRows - 1) / kMostLegendRows;
@@ -146,9 +160,11 @@ std::string legend(const PolylineSet& set, const SvgPlot& plot, const std::vecto
 }
 
 std::string rectangle(const SvgPlot& plot, const char* attributes) {
-  return element("rect", {{"x", pixel_text(SvgPlot::kLeft)}, {"y", pixel_text(SvgPlot::kTop)},
+  return element("rect", {{"x", pixel_text(SvgPlot::kLeft)},
+                          {"y", pixel_text(SvgPlot::kTop)},
                           {"width", pixel_text(plot.width())},
-                          {"height", pixel_text(plot.height())}}) + attributes + "/>\n";
+                          {"height", pixel_text(plot.height())}}) +
+         attributes + "/>\n";
 }
 
 }  // namespace
@@ -157,13 +173,15 @@ std::string write_svg(const PolylineSet& set) {
   const SvgPlot plot(set.receiver_size);
   const std::vector<double> levels = levels_of(set);
   const int rows = std::min(static_cast<int>(levels.size()), kMostLegendRows) + 1;
-  const std::string width = pixel_text(plot.page_width()), height = pixel_text(plot.page_height(rows));
+  const std::string width = pixel_text(plot.page_width()),
+                    height = pixel_text(plot.page_height(rows));
   return "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + width + "\" height=\"" + height +
-         "\" viewBox=\"0 0 " + width + ' ' + height + "\">\n<title>Isolux diagram</title>\n" + kStyle +
-         "<defs><clipPath id=\"receiver\">" + rectangle(plot, "") + "</clipPath></defs>\n" +
-         "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n" +
+         "\" viewBox=\"0 0 " + width + ' ' + height + "\">\n<title>Isolux diagram</title>\n" +
+         kStyle + "<defs><clipPath id=\"receiver\">" + rectangle(plot, "") +
+         "</clipPath></defs>\n" + "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n" +
          text({SvgPlot::kLeft, 32}, "start",
-              "Isolux curves on the receiver, " + set.quantity + " in " + printed_unit(set), "title") +
+              "Isolux curves on the receiver, " + set.quantity + " in " + printed_unit(set),
+              "title") +
          axes(set, plot) + curves(set, plot, levels) + legend(set, plot, levels) +
          rectangle(plot, " class=\"frame\"") + "</svg>\n";
 }

@@ -1,4 +1,5 @@
-// Where the level is written on a curve: on straight, free stretches, upright, never over another label.
+// Where the level is written on a curve: on straight, free stretches, upright, never over another
+// label.
 #pragma once
 
 #include <vector>
@@ -17,7 +18,8 @@ class SvgLabelPlacer {
  public:
   explicit SvgLabelPlacer(const SvgPlot& plot) : plot_(plot) {}
 
-  /// Labels for a curve that runs through these pixels: none if it is too short or there is no room.
+  /// Labels for a curve that runs through these pixels: none if it is too short or there is no
+  /// room.
   std::vector<SvgLabel> place(const std::vector<Pixel>& line, double text_width);
 
  private:

@@ -8,9 +8,9 @@ namespace caustic::service {
 namespace {
 
 /// Eighths of matplotlib's cividis.
-constexpr double kCividis[9][3] = {{0, 34, 78},      {18, 53, 112},   {59, 73, 108},
-                                   {87, 93, 109},    {112, 113, 115}, {138, 134, 120},
-                                   {165, 156, 116},  {195, 179, 105}, {225, 204, 85}};
+constexpr double kCividis[9][3] = {{0, 34, 78},     {18, 53, 112},   {59, 73, 108},
+                                   {87, 93, 109},   {112, 113, 115}, {138, 134, 120},
+                                   {165, 156, 116}, {195, 179, 105}, {225, 204, 85}};
 
 std::string chars(double value, std::chars_format format, int precision) {
   char buffer[64];
@@ -52,7 +52,8 @@ std::string label_text(double value) {
   const double size = std::abs(value);
   if (size != 0 && (size < 1e-4 || size >= 1e6)) return chars(value, std::chars_format::general, 4);
   // Plain digits: 0.0005 reads better than 5e-04.
-  const int digits = size == 0 ? 0 : std::max(0, 3 - static_cast<int>(std::floor(std::log10(size))));
+  const int digits =
+      size == 0 ? 0 : std::max(0, 3 - static_cast<int>(std::floor(std::log10(size))));
   std::string text = chars(value, std::chars_format::fixed, digits);
   if (text.find('.') == std::string::npos) return text;
   text.erase(text.find_last_not_of('0') + 1);

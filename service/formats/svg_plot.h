@@ -20,7 +20,7 @@ class SvgPlot {
   explicit SvgPlot(const std::array<double, 2>& size);
 
   Pixel pixel(const std::array<double, 2>& uv) const;
-  double width() const { return width_; }    ///< of the receiver on the page
+  double width() const { return width_; }  ///< of the receiver on the page
   double height() const { return height_; }
   double page_width() const { return kLeft + width_ + kLegend; }
   double page_height(int legend_rows) const;
@@ -38,8 +38,8 @@ std::string label_text(double value);
 /// Pixels, to a hundredth.
 std::string pixel_text(double value);
 
-/// Cividis, readable by the colour-blind, from dark (0) to bright (1), short of the yellow that drowns
-/// in white paper.
+/// Cividis, readable by the colour-blind, from dark (0) to bright (1), short of the yellow that
+/// drowns in white paper.
 std::string level_color(double share);
 
 }  // namespace caustic::service

@@ -1,5 +1,5 @@
-// The only file that includes VTK. Each writer gets a poly data built for it alone: what another writer
-// left in a shared one would change its bytes.
+// The only file that includes VTK. Each writer gets a poly data built for it alone: what another
+// writer left in a shared one would change its bytes.
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
 #include <vtkDoubleArray.h>
@@ -23,7 +23,8 @@ namespace {
 constexpr int kCompressionLevel = 1;
 constexpr int kBlockSize = 1 << 18;
 
-vtkDoubleArray* add_doubles(vtkFieldData* data, const char* name, int components, vtkIdType tuples) {
+vtkDoubleArray* add_doubles(vtkFieldData* data, const char* name, int components,
+                            vtkIdType tuples) {
   vtkNew<vtkDoubleArray> array;
   array->SetName(name);
   array->SetNumberOfComponents(components);

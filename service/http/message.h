@@ -9,7 +9,7 @@ namespace caustic::service {
 
 struct HttpRequest {
   std::string method;
-  std::string target;        ///< as sent, not decoded
+  std::string target;  ///< as sent, not decoded
   std::string content_type;
   std::string body;
   bool body_too_large = false;  ///< the body was longer than allowed and is not kept

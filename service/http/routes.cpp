@@ -62,6 +62,7 @@ struct Routes::Row {
   HttpResponse (Routes::*handler)(const HttpRequest&, const std::string&) const;
 };
 
+// clang-format off
 const Routes::Row Routes::kTable[] = {
     {"POST", "/v1/contours",    true,  &Routes::post_contours},
     {"GET",  "/v1/results/{}",  false, &Routes::get_result},
@@ -70,6 +71,7 @@ const Routes::Row Routes::kTable[] = {
     {"GET",  "/healthz",        false, &Routes::health},
     {"GET",  "/openapi.json",   false, &Routes::openapi},
 };
+// clang-format on
 
 HttpResponse problem_response(const Problem& problem) {
   return {problem.status, "application/problem+json", to_json(problem), {}};
@@ -127,7 +129,9 @@ HttpResponse Routes::get_result(const HttpRequest&, const std::string& name) con
   if (!format) refuse(404, "no such format");
   const auto record = store_.load(id);
   if (!record) refuse(404, "no such result");
-  return {200, format->media_type, format->write(record->curves),
+  return {200,
+          format->media_type,
+          format->write(record->curves),
           {{"Content-Disposition", "attachment; filename=" + name}}};
 }
 

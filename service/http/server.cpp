@@ -1,6 +1,6 @@
-// The only file that includes cpp-httplib. Of its routing nothing is used: every request, whatever its
-// path, comes to Routes::answer(). What the library does by itself and should not (ranges, compression,
-// decoding of paths, regular expressions) is switched off before it acts.
+// The only file that includes cpp-httplib. Of its routing nothing is used: every request, whatever
+// its path, comes to Routes::answer(). What the library does by itself and should not (ranges,
+// compression, decoding of paths, regular expressions) is switched off before it acts.
 #include "service/http/server.h"
 
 #include <Eigen/Core>  // httplib.h defines _res, so it comes after
@@ -12,24 +12,23 @@
 namespace caustic::service {
 namespace {
 
-/// Of a body over the limit this much more is read and dropped, so that a client that is still sending
-/// gets the answer; then the connection is closed.
+/// Of a body over the limit this much more is read and dropped, so that a client that is still
+/// sending gets the answer; then the connection is closed.
 constexpr std::size_t kDrained = 64u << 20;
 
 constexpr std::size_t kKeepAliveRequests = 100'000;
 constexpr int kIdleSeconds = 5;
 
-/// Sends the body, then makes the library close the connection: it does so when a provider fails, and
-/// has no other way.
+/// Sends the body, then makes the library close the connection: it does so when a provider fails,
+/// and has no other way.
 void send_and_close(httplib::Response& out, HttpResponse&& in) {
   const auto body = std::make_shared<std::string>(std::move(in.body));
   out.set_header("Connection", "close");
-  out.set_content_provider(
-      body->size(), in.content_type.c_str(),
-      [body](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
-        sink.write(body->data() + offset, length);
-        return false;
-      });
+  out.set_content_provider(body->size(), in.content_type.c_str(),
+                           [body](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
+                             sink.write(body->data() + offset, length);
+                             return false;
+                           });
 }
 
 void send(httplib::Response& out, HttpResponse&& in, bool close) {
@@ -90,7 +89,8 @@ Server::Server(const Routes& routes, const ServerOptions& options)
   library_->new_task_queue = [n = options.threads] { return new httplib::ThreadPool(n); };
   library_->set_tcp_nodelay(true);
   library_->set_socket_options([](socket_t socket) {
-    // The library's own choice, SO_REUSEPORT, lets a second server take half of the first's clients.
+    // The library's own choice, SO_REUSEPORT, lets a second server take half of the first's
+    // clients.
     const int yes = 1;
     setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
   });
@@ -107,8 +107,8 @@ Server::Server(const Routes& routes, const ServerOptions& options)
     request.ranges.clear();
     request.headers.erase("Accept-Encoding");
     request.path.assign(1, '/');  // all that the library's routing sees
-    const bool library_reads_a_body = in.method == "POST" || in.method == "PUT" ||
-                                      in.method == "PATCH" || in.method == "DELETE";
+    const bool library_reads_a_body =
+        in.method == "POST" || in.method == "PUT" || in.method == "PATCH" || in.method == "DELETE";
     if (library_reads_a_body) return Handled::Unhandled;
     send(out, routes.answer(head_of(in)), false);
     return Handled::Handled;
@@ -122,7 +122,8 @@ Server::Server(const Routes& routes, const ServerOptions& options)
     const_cast<httplib::Request&>(in).headers.erase("Content-Type");
     const Framing framing = framing_of(in, max_body);
     if (framing == Framing::unsound)
-      return send(out, problem_response(make_problem(400, "the length of the body is unclear")), true);
+      return send(out, problem_response(make_problem(400, "the length of the body is unclear")),
+                  true);
     request.body_too_large = framing == Framing::too_large;
     const bool whole = framing == Framing::none ||
                        (framing == Framing::readable && read_body(reader, max_body, request));

@@ -11,9 +11,9 @@ namespace caustic::service {
 /// Temporary names end so; no file that counts does.
 constexpr std::string_view kTemporarySuffix = ".tmp";
 
-/// Writes and syncs a temporary file beside `path`, gives it its name and syncs the folder. A file that
-/// is there already stays, and false is returned. Throws std::system_error, with the temporary file
-/// removed.
+/// Writes and syncs a temporary file beside `path`, gives it its name and syncs the folder. A file
+/// that is there already stays, and false is returned. Throws std::system_error, with the temporary
+/// file removed.
 bool create_file(const std::filesystem::path& path, std::string_view bytes);
 
 /// Nothing if there is no such file; throws std::system_error if it cannot be read.

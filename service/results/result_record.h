@@ -1,5 +1,6 @@
-// A result as it lies on disk: the answer, word for word, and the curves from which every file format is
-// derived. One block of bytes with a checksum at its end; little-endian, as every machine we build for.
+// A result as it lies on disk: the answer, word for word, and the curves from which every file
+// format is derived. One block of bytes with a checksum at its end; little-endian, as every machine
+// we build for.
 //
 //   magic   8 bytes, with the layout's version
 //   sizes   4 × uint64: labels, answer (bytes), curves, vertices (items)

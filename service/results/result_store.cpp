@@ -32,8 +32,7 @@ void ResultStore::sweep() const {
   for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) {
     std::error_code ignored;  // another server may sweep the same folder
     const std::string suffix = entry.path().extension().string();
-    const bool broken =
-        suffix == kSuffix && !can_be_whole(entry.path(), entry.file_size(ignored));
+    const bool broken = suffix == kSuffix && !can_be_whole(entry.path(), entry.file_size(ignored));
     if (suffix == kTemporarySuffix || broken) fs::remove(entry.path(), ignored);
   }
 }
@@ -63,8 +62,7 @@ bool ResultStore::save(const std::string& id, const ResultRecord& record) const 
     if (const auto present = read(id); present && !decode_answer(*present)) fs::remove(path_of(id));
     return create_file(path_of(id), bytes);
   } catch (const std::system_error& error) {
-    throw ProblemError(
-        make_problem(507, "the result cannot be stored: " + error.code().message()));
+    throw ProblemError(make_problem(507, "the result cannot be stored: " + error.code().message()));
   }
 }
 

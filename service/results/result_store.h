@@ -1,5 +1,6 @@
-// The results, one file each, named by their identity. A file appears whole or not at all: it is written
-// under a temporary name, synced, renamed, and the folder synced. Safe for many threads and processes.
+// The results, one file each, named by their identity. A file appears whole or not at all: it is
+// written under a temporary name, synced, renamed, and the folder synced. Safe for many threads and
+// processes.
 #pragma once
 
 #include <filesystem>
@@ -19,8 +20,9 @@ class ResultStore {
   std::optional<ResultRecord> load(const std::string& id) const;
   std::optional<std::string> load_answer(const std::string& id) const;
 
-  /// Stores the record, unless one of this id is there already: the first stays, and false is returned.
-  /// Returns once it is on disk. Throws ProblemError (507), leaving nothing behind, if that fails.
+  /// Stores the record, unless one of this id is there already: the first stays, and false is
+  /// returned. Returns once it is on disk. Throws ProblemError (507), leaving nothing behind, if
+  /// that fails.
   bool save(const std::string& id, const ResultRecord& record) const;
 
  private:

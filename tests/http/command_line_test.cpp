@@ -33,8 +33,9 @@ class CommandLineTest : public testing::Test {
 TEST_F(CommandLineTest, traces_into_every_format) {
   const std::string request = request_file(ball_request());
   const std::pair<const char*, const char*> beginnings[] = {
-      {"vtp", "<?xml"}, {"vtk", "# vtk DataFile Version 4.2"}, {"svg", "<svg"},
-      {"geojson", "{\"type\":\"FeatureCollection\""}, {"csv", "curve_id,"}, {"json", "{\"id\":"}};
+      {"vtp", "<?xml"},     {"vtk", "# vtk DataFile Version 4.2"},
+      {"svg", "<svg"},      {"geojson", "{\"type\":\"FeatureCollection\""},
+      {"csv", "curve_id,"}, {"json", "{\"id\":"}};
   for (const auto& [suffix, beginning] : beginnings) {
     const std::string out = file(std::string("out.") + suffix);
     const ProgramResult result = run_program({"trace", request, "-o", out});
@@ -88,7 +89,8 @@ TEST_F(CommandLineTest, asks_a_server_for_its_health) {
   ServerProcess server(folder.path() / "data");
   const std::string port = std::to_string(server.port());
   EXPECT_EQ(run_program({"health", "--port", port}).exit_code, 0);
-  EXPECT_EQ(run_program({"serve", "--port", port, "--data", file("x")}).exit_code, 1);  // port taken
+  EXPECT_EQ(run_program({"serve", "--port", port, "--data", file("x")}).exit_code,
+            1);  // port taken
   EXPECT_EQ(server.stop(SIGTERM), 0);
   EXPECT_EQ(run_program({"health", "--port", port}).exit_code, 1);
 }

@@ -1,5 +1,5 @@
-// The main job over the wire: post a scene, download its files, read them with VTK's own readers and with
-// one that VTK did not write.
+// The main job over the wire: post a scene, download its files, read them with VTK's own readers
+// and with one that VTK did not write.
 #include <gtest/gtest.h>
 #include <vtkCellArray.h>
 #include <vtkNew.h>
@@ -142,7 +142,8 @@ TEST_F(DownloadTest, same_request_same_bytes) {
     const HttpReply reply = http_post(port, "/v1/contours", requests[i].dump());
     json answer = json::parse(reply.body);
     std::string bytes;
-    for (const auto& [format, target] : answer["files"].items()) bytes += http_get(port, target).body;
+    for (const auto& [format, target] : answer["files"].items())
+      bytes += http_get(port, target).body;
     answer["work"].erase("seconds");
     return answer.dump() + bytes;
   };
@@ -185,7 +186,8 @@ TEST_F(DownloadTest, results_survive_a_restart) {
   EXPECT_EQ(server.stop(SIGTERM), 0);
   const ServerProcess again(folder.path() / "data");
   EXPECT_EQ(http_get(again.port(), answer["files"]["vtp"]).body, file.body);
-  EXPECT_EQ(http_get(again.port(), "/v1/results/" + answer["id"].get<std::string>()).body, posted.body);
+  EXPECT_EQ(http_get(again.port(), "/v1/results/" + answer["id"].get<std::string>()).body,
+            posted.body);
   EXPECT_EQ(http_post(again.port(), "/v1/contours", ball_request().dump()).body, posted.body);
 }
 

@@ -104,8 +104,9 @@ TEST_F(ServerTest, a_body_left_over_is_not_the_next_request) {
   HttpConnection connection(port());
   const std::string smuggled = "GET /healthz HTTP/1.1\r\n\r\n";
   for (const char* target : {"/v1/nothing", "/healthz"}) {
-    connection.send(post_head(target, "Content-Length: " + std::to_string(smuggled.size()) + "\r\n") +
-                    smuggled);
+    connection.send(
+        post_head(target, "Content-Length: " + std::to_string(smuggled.size()) + "\r\n") +
+        smuggled);
     EXPECT_GE(connection.receive().status, 404);
   }
   connection.send("GET /v1/examples HTTP/1.1\r\n\r\n");
@@ -141,15 +142,19 @@ TEST_F(ServerTest, lengths_that_lie) {
 }
 
 TEST_F(ServerTest, forms_and_compressed_bodies_are_no_way_in) {
-  const std::string form = "--x\r\nContent-Disposition: form-data; name=\"a\"\r\n\r\n1\r\n--x--\r\n";
-  const HttpReply reply = http_post(port(), "/v1/contours", form, "multipart/form-data; boundary=x");
+  const std::string form =
+      "--x\r\nContent-Disposition: form-data; name=\"a\"\r\n\r\n1\r\n--x--\r\n";
+  const HttpReply reply =
+      http_post(port(), "/v1/contours", form, "multipart/form-data; boundary=x");
   EXPECT_EQ(reply.status, 415);
   EXPECT_EQ(http_post(port(), "/v1/contours", form, "multipart/form-data").status, 415);
-  EXPECT_EQ(http_post(port(), "/v1/contours", "a=b", "application/x-www-form-urlencoded").status, 415);
+  EXPECT_EQ(http_post(port(), "/v1/contours", "a=b", "application/x-www-form-urlencoded").status,
+            415);
   for (const char* coding : {"gzip", "br", "zstd", "nonsense"}) {
     HttpConnection connection(port());
-    connection.send(post_head("/v1/contours", kJson + "Content-Encoding: " + coding +
-                                                  "\r\nContent-Length: 2\r\n") + "{}");
+    connection.send(post_head("/v1/contours",
+                              kJson + "Content-Encoding: " + coding + "\r\nContent-Length: 2\r\n") +
+                    "{}");
     const HttpReply coded = connection.receive();
     EXPECT_GE(coded.status, 400) << coding;
     EXPECT_EQ(coded.headers.count("exception_what"), 0u);
@@ -158,10 +163,16 @@ TEST_F(ServerTest, forms_and_compressed_bodies_are_no_way_in) {
 
 TEST_F(ServerTest, paths_lead_nowhere_else) {
   const std::string id(64, 'a');
-  const std::vector<std::string> targets{
-      "/../../etc/passwd", "/v1/results/../../../etc/passwd", "/v1/results/%2e%2e", "//healthz",
-      "/healthz/", "/healthz%00", "/v1/results/" + id + ".vtp/..", "/v1/results/" + id,
-      "http://x/healthz", "/%68ealthz"};
+  const std::vector<std::string> targets{"/../../etc/passwd",
+                                         "/v1/results/../../../etc/passwd",
+                                         "/v1/results/%2e%2e",
+                                         "//healthz",
+                                         "/healthz/",
+                                         "/healthz%00",
+                                         "/v1/results/" + id + ".vtp/..",
+                                         "/v1/results/" + id,
+                                         "http://x/healthz",
+                                         "/%68ealthz"};
   for (const std::string& target : targets) {
     EXPECT_EQ(http_get(port(), target).status, 404) << target;
   }
@@ -175,9 +186,10 @@ TEST_F(ServerTest, paths_lead_nowhere_else) {
 TEST_F(ServerTest, odd_heads) {
   for (const std::string& head :
        {std::string("\r\n\r\n"), std::string("GET\r\n\r\n"), std::string("GET / HTTP/9.9\r\n\r\n"),
-        std::string("GET  /healthz  HTTP/1.1\r\n\r\n"), std::string("GET /healthz HTTP/1.1\r\n: x\r\n\r\n"),
-        std::string("GET /healthz HTTP/1.1\r\nRange: bytes=9-1\r\n\r\n"), std::string(9'000, 'A') + "\r\n\r\n",
-        std::string("\xff\xfe\0\x01\r\n\r\n", 8)}) {
+        std::string("GET  /healthz  HTTP/1.1\r\n\r\n"),
+        std::string("GET /healthz HTTP/1.1\r\n: x\r\n\r\n"),
+        std::string("GET /healthz HTTP/1.1\r\nRange: bytes=9-1\r\n\r\n"),
+        std::string(9'000, 'A') + "\r\n\r\n", std::string("\xff\xfe\0\x01\r\n\r\n", 8)}) {
     HttpConnection connection(port());
     connection.send(head);
     connection.receive();
@@ -188,7 +200,8 @@ TEST_F(ServerTest, ranges_and_compression_are_not_served) {
   HttpConnection connection(port());
   std::string ranges = "bytes=0-1";
   for (int i = 0; i < 600; ++i) ranges += ",0-";
-  connection.send("GET /openapi.json HTTP/1.1\r\nAccept-Encoding: br, gzip\r\nRange: " + ranges + "\r\n\r\n");
+  connection.send("GET /openapi.json HTTP/1.1\r\nAccept-Encoding: br, gzip\r\nRange: " + ranges +
+                  "\r\n\r\n");
   const HttpReply reply = connection.receive();
   EXPECT_EQ(reply.status, 200);
   EXPECT_EQ(reply.headers.count("content-encoding"), 0u);
@@ -216,13 +229,13 @@ TEST_F(ServerTest, stops_when_asked) {
 TEST_F(ServerTest, stops_in_the_middle_of_work) {
   ServerProcess other(folder.path() / "other");
   json request = ball_request();
-  surface(request)["shape"] = json::parse(R"({"type": "torus", "center": [0, 0, 0], "axis": [0, 0, 1],
+  surface(request)["shape"] =
+      json::parse(R"({"type": "torus", "center": [0, 0, 0], "axis": [0, 0, 1],
                                               "major_radius": 1, "minor_radius": 0.4})");
   request["tolerance"] = {{"irradiance", 1e-12}, {"chord", 1e-6}};
   request["limits"] = {{"time_ms", 60000}, {"vertices", 2000000}};
   HttpReply reply;
-  std::thread client(
-      [&] { reply = http_post(other.port(), "/v1/contours", request.dump()); });
+  std::thread client([&] { reply = http_post(other.port(), "/v1/contours", request.dump()); });
   std::this_thread::sleep_for(std::chrono::milliseconds(100));
   EXPECT_EQ(other.stop(SIGTERM), 0);
   client.join();
@@ -264,12 +277,14 @@ TEST_F(ServerTest, killed_at_any_moment_leaves_whole_files) {
   EXPECT_FALSE(answers.empty());
   const ServerProcess again(data);
   for (const auto& entry : std::filesystem::directory_iterator(data))
-    EXPECT_EQ(http_get(again.port(), "/v1/results/" + entry.path().stem().string() + ".csv").status, 200)
+    EXPECT_EQ(http_get(again.port(), "/v1/results/" + entry.path().stem().string() + ".csv").status,
+              200)
         << entry.path();
   for (const std::string& answer : answers) {
     const json document = json::parse(answer, nullptr, false);
     if (document.is_discarded()) continue;  // cut off on its way by the kill
-    EXPECT_EQ(http_get(again.port(), "/v1/results/" + document["id"].get<std::string>()).body, answer);
+    EXPECT_EQ(http_get(again.port(), "/v1/results/" + document["id"].get<std::string>()).body,
+              answer);
   }
 }
 

@@ -40,13 +40,14 @@ TEST(ContourJson, fills_the_defaults_in) {
   EXPECT_DOUBLE_EQ(call.request.chord_tolerance, 0.0012);
   EXPECT_DOUBLE_EQ(call.request.time_limit, 5.0);
   EXPECT_EQ(call.request.vertex_limit, 500'000u);
-  EXPECT_EQ(call.scene_json,
-            R"({"length_unit":"m","light":{"intensity":1,"position":[0.3,0.2,4],"type":"point"},)"
-            R"("quantity":"radiometric","receiver":{"origin":[0,0,6],"size":[12,12],"type":"plane",)"
-            R"("u_axis":[1,0,0],"v_axis":[0,1,0]},"surfaces":[{"aperture":[],"name":"ball",)"
-            R"("optics":{"reflectance":1,"type":"mirror"},"pose":{"rotate":{"axis":[0,0,1],)"
-            R"("degrees":0},"translate":[0,0,0]},"shape":{"center":[0,0,0],"radius":1,)"
-            R"("type":"sphere"}}]})");
+  EXPECT_EQ(
+      call.scene_json,
+      R"({"length_unit":"m","light":{"intensity":1,"position":[0.3,0.2,4],"type":"point"},)"
+      R"("quantity":"radiometric","receiver":{"origin":[0,0,6],"size":[12,12],"type":"plane",)"
+      R"("u_axis":[1,0,0],"v_axis":[0,1,0]},"surfaces":[{"aperture":[],"name":"ball",)"
+      R"("optics":{"reflectance":1,"type":"mirror"},"pose":{"rotate":{"axis":[0,0,1],)"
+      R"("degrees":0},"translate":[0,0,0]},"shape":{"center":[0,0,0],"radius":1,)"
+      R"("type":"sphere"}}]})");
 }
 
 TEST(ContourJson, identity_is_what_is_asked_not_how) {
@@ -77,10 +78,10 @@ TEST(ContourJson, identity_is_what_is_asked_not_how) {
 TEST(ContourJson, identity_tells_questions_apart) {
   const json plain = ball_request();
   const std::pair<const char*, json> changes[] = {
-      {"/scene/length_unit", "mm"},      {"/scene/quantity", "photometric"},
-      {"/scene/light/intensity", 2},     {"/levels", {0.0003}},
-      {"/include", {"isolux"}},          {"/tolerance", {{"irradiance", 1e-8}}},
-      {"/families", {{"ball"}}},         {"/scene/surfaces/0/name", "bell"},
+      {"/scene/length_unit", "mm"},  {"/scene/quantity", "photometric"},
+      {"/scene/light/intensity", 2}, {"/levels", {0.0003}},
+      {"/include", {"isolux"}},      {"/tolerance", {{"irradiance", 1e-8}}},
+      {"/families", {{"ball"}}},     {"/scene/surfaces/0/name", "bell"},
   };
   std::set<std::string> ids{id_of(plain)};
   for (const auto& [pointer, value] : changes) {

@@ -54,8 +54,9 @@ void expect_same(vtkPolyData* data, const PolylineSet& set, double relative) {
   ASSERT_EQ(data->GetNumberOfLines(), std::ssize(set.curves));
   EXPECT_EQ(data->GetPoints()->GetDataType(), VTK_DOUBLE);
   vtkPointData* points = data->GetPointData();
-  const std::pair<const char*, int> arrays[] = {{"irradiance", 1}, {"residual", 1}, {"gradient", 3},
-                                                {"arc_length", 1}, {"uv", 2}, {"reflector_point", 3}};
+  const std::pair<const char*, int> arrays[] = {{"irradiance", 1}, {"residual", 1},
+                                                {"gradient", 3},   {"arc_length", 1},
+                                                {"uv", 2},         {"reflector_point", 3}};
   for (const auto& [name, components] : arrays) {
     ASSERT_TRUE(points->GetArray(name)) << name;
     EXPECT_EQ(points->GetArray(name)->GetNumberOfComponents(), components) << name;
@@ -152,8 +153,9 @@ TEST(Formats, csv_has_a_row_a_vertex) {
   std::istringstream lines(write_csv(set));
   std::string line;
   std::getline(lines, line);
-  EXPECT_EQ(line, "curve_id,kind,level,closed,family_id,parity,vertex,x,y,z,u,v,irradiance,residual,"
-                  "gradient_x,gradient_y,gradient_z,arc_length,x1,y1,z1");
+  EXPECT_EQ(line,
+            "curve_id,kind,level,closed,family_id,parity,vertex,x,y,z,u,v,irradiance,residual,"
+            "gradient_x,gradient_y,gradient_z,arc_length,x1,y1,z1");
   int rows = 0;
   for (; std::getline(lines, line); ++rows) EXPECT_EQ(std::ranges::count(line, ','), 20);
   EXPECT_EQ(rows, 51 + 51 + 50);
@@ -162,7 +164,8 @@ TEST(Formats, csv_has_a_row_a_vertex) {
 
 TEST(Formats, svg_draws_and_labels_every_level) {
   const std::string svg = write_svg(sample_polylines());
-  for (const char* part : {"u [mm]", "v [mm]", "W/m²", ">0.1<", ">0.2<", "caustic", "id=\"curve2\""})
+  for (const char* part :
+       {"u [mm]", "v [mm]", "W/m²", ">0.1<", ">0.2<", "caustic", "id=\"curve2\""})
     EXPECT_NE(svg.find(part), std::string::npos) << part;
   EXPECT_EQ(svg.find("nan"), std::string::npos);
 }

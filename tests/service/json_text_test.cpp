@@ -20,10 +20,32 @@ Problem problem_of(const std::string& text) {
 }
 
 TEST(JsonText, refuses_what_is_not_json) {
-  for (const char* text :
-       {"", " ", "{", "[1,]", "{\"a\":}", "NaN", "[NaN]", "[Infinity]", "[-Infinity]", "[1e999]",
-        "[-1e999]", "{} x", "{}{}", "[01]", "[1.]", "[+1]", "'a'", "{a:1}", "[1] // no", "\"\xff\"",
-        "{\"a\":1,\"a\":2}", "{\"a\":{\"b\":1,\"b\":1}}", "[1", "nul", "\xff\xfe{}", "\"\n\""}) {
+  for (const char* text : {"",
+                           " ",
+                           "{",
+                           "[1,]",
+                           "{\"a\":}",
+                           "NaN",
+                           "[NaN]",
+                           "[Infinity]",
+                           "[-Infinity]",
+                           "[1e999]",
+                           "[-1e999]",
+                           "{} x",
+                           "{}{}",
+                           "[01]",
+                           "[1.]",
+                           "[+1]",
+                           "'a'",
+                           "{a:1}",
+                           "[1] // no",
+                           "\"\xff\"",
+                           "{\"a\":1,\"a\":2}",
+                           "{\"a\":{\"b\":1,\"b\":1}}",
+                           "[1",
+                           "nul",
+                           "\xff\xfe{}",
+                           "\"\n\""}) {
     EXPECT_EQ(problem_of(text).status, 400) << text;
   }
   EXPECT_EQ(problem_of(std::string("{}\0", 3)).status, 400);

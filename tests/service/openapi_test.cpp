@@ -30,8 +30,10 @@ const json& resolved(const json& schema) {
 
 bool type_fits(const json& type, const json& value) {
   if (type.is_array())
-    return std::any_of(type.begin(), type.end(), [&](const json& t) { return type_fits(t, value); });
-  if (type == "integer") return value.is_number() && value.get<double>() == std::floor(value.get<double>());
+    return std::any_of(type.begin(), type.end(),
+                       [&](const json& t) { return type_fits(t, value); });
+  if (type == "integer")
+    return value.is_number() && value.get<double>() == std::floor(value.get<double>());
   if (type == "null") return value.is_null();
   return (type == "object" && value.is_object()) || (type == "array" && value.is_array()) ||
          (type == "string" && value.is_string()) || (type == "boolean" && value.is_boolean()) ||
@@ -62,7 +64,8 @@ bool valid(const json& unresolved, const json& value, std::string& why) {
     return std::find(schema["enum"].begin(), schema["enum"].end(), value) != schema["enum"].end();
   if (schema.contains("type") && !type_fits(schema["type"], value)) return false;
   if (value.is_array() && schema.contains("items")) {
-    if (value.size() < schema.value("minItems", 0u) || value.size() > schema.value("maxItems", 1u << 20))
+    if (value.size() < schema.value("minItems", 0u) ||
+        value.size() > schema.value("maxItems", 1u << 20))
       return false;
     for (const json& element : value)
       if (!valid(schema["items"], element, why)) return false;
@@ -72,11 +75,13 @@ bool valid(const json& unresolved, const json& value, std::string& why) {
 
 void expect_valid(const char* schema, const json& value) {
   std::string why;
-  EXPECT_TRUE(valid(document()["components"]["schemas"][schema], value, why)) << schema << ": " << why;
+  EXPECT_TRUE(valid(document()["components"]["schemas"][schema], value, why))
+      << schema << ": " << why;
 }
 
 TEST(Openapi, examples_fit_it) {
-  for (const Example& example : examples()) expect_valid("ContourRequest", json::parse(example.body));
+  for (const Example& example : examples())
+    expect_valid("ContourRequest", json::parse(example.body));
 }
 
 TEST(Openapi, answers_fit_it) {
@@ -102,7 +107,8 @@ TEST(Openapi, every_path_is_served_and_every_format_is_there) {
   for (const auto& [path, methods] : document()["paths"].items()) {
     std::string target = path;
     if (const auto at = target.find("{id}"); at != target.npos) target.replace(at, 4, answer["id"]);
-    if (const auto at = target.find("{name}"); at != target.npos) target.replace(at, 6, examples()[0].name);
+    if (const auto at = target.find("{name}"); at != target.npos)
+      target.replace(at, 6, examples()[0].name);
     for (const auto& [method, operation] : methods.items()) {
       const bool is_post = method == "post";
       const auto response = routes.answer({is_post ? "POST" : "GET", target, "application/json",

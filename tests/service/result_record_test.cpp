@@ -24,8 +24,9 @@ TEST(ResultRecord, comes_back_as_it_was) {
   ASSERT_EQ(a.curves.size(), b.curves.size());
   ASSERT_EQ(a.vertices.size(), b.vertices.size());
   EXPECT_EQ(std::memcmp(a.curves.data(), b.curves.data(), a.curves.size() * sizeof(Polyline)), 0);
-  EXPECT_EQ(std::memcmp(a.vertices.data(), b.vertices.data(),
-                        a.vertices.size() * sizeof(PolylineVertex)), 0);
+  EXPECT_EQ(
+      std::memcmp(a.vertices.data(), b.vertices.data(), a.vertices.size() * sizeof(PolylineVertex)),
+      0);
   EXPECT_EQ(encode(*back), encode(sample()));
   EXPECT_EQ(decode_answer(encode(sample())), sample().answer);
 }

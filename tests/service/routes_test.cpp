@@ -17,8 +17,8 @@ using test::ball_request;
 
 class RoutesTest : public testing::Test {
  protected:
-  HttpResponse ask(const std::string& method, const std::string& target, const std::string& body = "",
-                   const std::string& type = "application/json") {
+  HttpResponse ask(const std::string& method, const std::string& target,
+                   const std::string& body = "", const std::string& type = "application/json") {
     return routes.answer({method, target, type, body, false});
   }
   HttpResponse post(const json& request) { return ask("POST", "/v1/contours", request.dump()); }
@@ -72,8 +72,8 @@ TEST_F(RoutesTest, serves_what_it_stored) {
     EXPECT_EQ(file.status, 200);
     EXPECT_EQ(file.content_type, format.media_type);
     ASSERT_EQ(file.headers.size(), 1u);
-    EXPECT_EQ(file.headers[0].second, "attachment; filename=" + answer["id"].get<std::string>() + "." +
-                                          format.suffix);
+    EXPECT_EQ(file.headers[0].second,
+              "attachment; filename=" + answer["id"].get<std::string>() + "." + format.suffix);
     EXPECT_FALSE(file.body.empty());
     EXPECT_EQ(ask("HEAD", answer["files"][format.suffix]).status, 200);
   }
@@ -195,11 +195,12 @@ TEST_F(RoutesTest, a_file_name_is_an_id_and_one_known_suffix) {
 
 TEST_F(RoutesTest, wants_the_right_content_type) {
   const std::string body = ball_request().dump();
-  for (const char* type : {"", "text/plain", "application/jsonx", "application/x-www-form-urlencoded",
-                           "multipart/form-data; boundary=x", ";application/json"})
+  for (const char* type :
+       {"", "text/plain", "application/jsonx", "application/x-www-form-urlencoded",
+        "multipart/form-data; boundary=x", ";application/json"})
     EXPECT_EQ(ask("POST", "/v1/contours", body, type).status, 415) << type;
-  for (const char* type : {"application/json", "Application/JSON", "application/json; charset=utf-8",
-                           "application/json ;x=y"})
+  for (const char* type : {"application/json", "Application/JSON",
+                           "application/json; charset=utf-8", "application/json ;x=y"})
     EXPECT_EQ(ask("POST", "/v1/contours", body, type).status, 200) << type;
 }
 

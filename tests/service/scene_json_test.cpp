@@ -81,8 +81,7 @@ TEST(SceneJson, wants_what_has_no_default) {
   EXPECT_EQ(pointers_of(json::object()), Pointers{"/scene"});
   json request = ball_request();
   request["scene"] = json::object();
-  EXPECT_EQ(pointers_of(request),
-            (Pointers{"/scene/light", "/scene/receiver", "/scene/surfaces"}));
+  EXPECT_EQ(pointers_of(request), (Pointers{"/scene/light", "/scene/receiver", "/scene/surfaces"}));
   request = ball_request();
   surface(request) = json::object();
   EXPECT_EQ(pointers_of(request), (Pointers{"/scene/surfaces/0/name", "/scene/surfaces/0/optics",
@@ -161,15 +160,16 @@ TEST(SceneJson, says_what_this_version_lacks) {
 }
 
 TEST(SceneJson, reads_every_shape) {
-  for (const char* shape : {
-           R"({"type":"plane","point":[0,0,0],"normal":[0,0,3]})",
-           R"({"type":"sphere","center":[0,0,0],"radius":1})",
-           R"({"type":"ellipsoid","center":[0,0,0],"semi_axes":[1,2,3]})",
-           R"({"type":"quadric","coefficients":[1,1,1,0,0,0,0,0,0,-1]})",
-           R"({"type":"cylinder","point":[0,0,0],"axis":[0,0,1],"radius":1})",
-           R"({"type":"cone","point":[0,0,0],"axis":[0,0,1],"half_angle_degrees":30})",
-           R"({"type":"torus","center":[0,0,0],"axis":[0,0,1],"major_radius":2,"minor_radius":1})",
-           R"({"type":"conic","vertex":[0,0,0],"axis":[0,0,1],"radius_of_curvature":-2,"conic_constant":-1,"aspheric":[0.01]})"})
+  for (
+      const char* shape :
+      {R"({"type":"plane","point":[0,0,0],"normal":[0,0,3]})",
+       R"({"type":"sphere","center":[0,0,0],"radius":1})",
+       R"({"type":"ellipsoid","center":[0,0,0],"semi_axes":[1,2,3]})",
+       R"({"type":"quadric","coefficients":[1,1,1,0,0,0,0,0,0,-1]})",
+       R"({"type":"cylinder","point":[0,0,0],"axis":[0,0,1],"radius":1})",
+       R"({"type":"cone","point":[0,0,0],"axis":[0,0,1],"half_angle_degrees":30})",
+       R"({"type":"torus","center":[0,0,0],"axis":[0,0,1],"major_radius":2,"minor_radius":1})",
+       R"({"type":"conic","vertex":[0,0,0],"axis":[0,0,1],"radius_of_curvature":-2,"conic_constant":-1,"aspheric":[0.01]})"})
     EXPECT_EQ(pointers_of(with_shape(shape)), Pointers{}) << shape;
 }
 
@@ -243,8 +243,8 @@ TEST(SceneJson, takes_any_printable_name) {
     request["families"] = {{name}};
     EXPECT_EQ(pointers_of(request), Pointers{}) << name;
   }
-  for (const std::string& name : {std::string(), std::string("a\nb"), std::string("\0", 1),
-                                  std::string(201, 'x')}) {
+  for (const std::string& name :
+       {std::string(), std::string("a\nb"), std::string("\0", 1), std::string(201, 'x')}) {
     surface(request)["name"] = name;
     request["families"] = {{name}};
     EXPECT_EQ(pointers_of(request), Pointers{"/scene/surfaces/0/name"}) << name;

@@ -88,7 +88,8 @@ HttpReply http_post(int port, const std::string& target, const std::string& body
   HttpConnection connection(port);
   connection.send(post_head(target, "Connection: close\r\nContent-Type: " + type +
                                         "\r\nContent-Length: " + std::to_string(body.size()) +
-                                        "\r\n") + body);
+                                        "\r\n") +
+                  body);
   return connection.receive();
 }
 

@@ -8,7 +8,7 @@
 namespace caustic::test {
 
 struct HttpReply {
-  int status = 0;  ///< 0: the connection closed without an answer
+  int status = 0;                              ///< 0: the connection closed without an answer
   std::map<std::string, std::string> headers;  ///< names in lower case
   std::string body;
 };

@@ -63,8 +63,8 @@ ProgramResult run_program(const std::vector<std::string>& arguments, const std::
 ServerProcess::ServerProcess(const std::filesystem::path& data,
                              const std::vector<std::string>& more_arguments,
                              std::size_t file_size_limit) {
-  std::vector<std::string> command{ISOCAUSTIC_PROGRAM, "serve", "--port", "0",
-                                   "--data", data.string()};
+  std::vector<std::string> command{ISOCAUSTIC_PROGRAM, "serve",      "--port", "0",
+                                   "--data",           data.string()};
   command.insert(command.end(), more_arguments.begin(), more_arguments.end());
   const std::vector<char*> argv = pointers(command);
   int ends[2];

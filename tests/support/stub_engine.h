@@ -30,8 +30,8 @@ inline solver::ContourResult draw_circles(const solver::OpticalSystem& system,
       const double angle = 2 * geometry::kPi * k / n;
       const geometry::Vec2 uv(radius * std::cos(angle), radius * std::sin(angle));
       const geometry::Vec3 gradient = caustic ? geometry::Vec3::Zero() : geometry::Vec3(1, 2, 3);
-      curve.vertices.push_back({uv, system.receiver().point(uv), {0, 0, 1}, curve.level, 1e-12,
-                                gradient, k * step});
+      curve.vertices.push_back(
+          {uv, system.receiver().point(uv), {0, 0, 1}, curve.level, 1e-12, gradient, k * step});
     }
     curve.length = (caustic ? n - 1 : n) * step;
     curve.max_residual = 1e-12;
