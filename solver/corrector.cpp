@@ -30,7 +30,7 @@ std::optional<FieldPoint> correct(Evaluator& evaluate, const LevelFunction& f,
     const double floor = kRoundings * f.residual_of_rounding(at, evaluate.map().rounding(at.x));
     const Vec3 slope = f.gradient(at);
     const Vec3 step = -(f.value(at) / slope.squaredNorm()) * slope;
-    if (residual <= floor) return at;
+    if (residual <= floor) return floor <= kUndetermined ? std::optional(at) : std::nullopt;
     if (residual <= options.residual && step.norm() <= options.position) return at;
     // No progress any more, although close: rounding inside f, not of x, is the limit.
     if (i > 2 && residual >= 0.5 * previous && residual < 1e3 * floor + 1e-9) return at;
@@ -54,6 +54,7 @@ std::optional<FieldPoint> correct_at_end(Evaluator& evaluate, const LevelFunctio
     const Vec3 df = f.gradient(at), dh = domain.gradient(end, at);
     geometry::Mat2 K;
     K << df.dot(at.e1), df.dot(at.e2), dh.dot(at.e1), dh.dot(at.e2);
+    if (floor > kUndetermined && on_curve) return std::nullopt;
     if (on_curve && std::abs(h) <= kRoundings * rounding * (1.0 + K.row(1).norm())) return at;
     const Vec2 step = K.inverse() * Vec2(-f.value(at), -h);
     if (!step.allFinite()) return std::nullopt;

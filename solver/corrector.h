@@ -9,6 +9,8 @@
 
 namespace caustic::solver {
 
+constexpr double kUndetermined = 1e-4;
+
 struct CorrectorOptions {
   /// Accept once the residual of the level function is below this (or what rounding allows)
   double residual = 1e-11;
@@ -19,7 +21,8 @@ struct CorrectorOptions {
 };
 
 /// The point of the curve next to x, by steps of least length along the surface (S10); nothing if
-/// Newton's method leaves the trust region or does not converge.
+/// Newton's method leaves the trust region or does not converge, or where rounding of x alone moves
+/// the residual by more than kUndetermined: next to points where all levels meet.
 std::optional<FieldPoint> correct(Evaluator& evaluate, const LevelFunction& f, const Point& x,
                                   const CorrectorOptions& options);
 /// The same from a point of the surface that has been evaluated.

@@ -28,6 +28,9 @@ constexpr double kMaxReceiverStep = 0.5;
 constexpr double kMinStepRoundings = 1e3;
 // Share of the chord tolerance that is used, since the estimate is of third order only.
 constexpr double kChordShare = 0.8;
+// A curve that cannot be followed further ends on a boundary that is nearer than this share of the
+// receiver's width.
+constexpr double kMeetingShare = 1e-6;
 // A curve is closed when it comes back to its start within this share of the last piece: above the
 // corrector's error, far below the distance of another branch that a step could confuse it with.
 constexpr double kClosureShare = 1e-4;
@@ -102,6 +105,7 @@ class Tracer final : public DirectionField {
   std::optional<Node> cusp_between(const Node& a, const Node& b);
   std::optional<Stop> stop_at_start(const Node& start) const;
   std::optional<Stop> accept(const Node& a, const Node& b, Trace& out);
+  Stop stop_at_stall(const Node& last) const;
   bool closes(const Node& a, const Node& b);
   std::optional<double> leaves(int boundary, const Node& a, const Node& b);
   FieldPoint end_between(int boundary, const Node& a, const Node& b);
@@ -194,6 +198,23 @@ std::optional<Stop> Tracer::stop_at_start(const Node& start) const {
   return std::nullopt;
 }
 
+// Where all levels meet (a and σ vanish together on a rim, or a ray runs within the receiver's plane)
+// E is undetermined and the curve cannot be followed to the end itself. That lies on a boundary.
+Stop Tracer::stop_at_stall(const Node& last) const {
+  const double near = kMeetingShare * evaluate_.map().receiver().width();
+  int nearest = -1;
+  double least = near;
+  for (int i = 0; i < domain_.size(); ++i) {
+    const double h = std::abs(domain_.value(i, last.f));
+    if (h < least) {
+      least = h;
+      nearest = i;
+    }
+  }
+  if (nearest < 0) return Stop{false, Ending::limit, false, true};
+  return Stop{false, domain_.ending(nearest), domain_.is_clip(nearest), false};
+}
+
 bool Tracer::closes(const Node& a, const Node& b) {
   const Vec3& t0 = start_.t;
   const Point& x0 = start_.f.x;
@@ -242,7 +263,8 @@ FieldPoint Tracer::end_between(int i, const Node& a, const Node& b) {
   const double ha = std::min(domain_.value(i, a.f), -1e-300);
   const auto h = [&](double s) {
     const auto next = between(a, b, s);
-    if (!next) return 0.0;
+    // Where all levels meet there is nothing to correct to: stay on this side.
+    if (!next) return domain_.value(i, b.f);
     const double value = domain_.value(i, next->f);
     if (value <= 0.0 && next->s > inside.s) inside = *next;
     return value;
@@ -296,7 +318,7 @@ Stop Tracer::follow(const FieldPoint& seed, double sign, Trace& out) {
   std::array<Node, kMaxPending> pending;
   while (!evaluate_.budget().exhausted()) {
     const auto b = advance(a);
-    if (!b) return Stop{false, Ending::limit, false, true};
+    if (!b) return stop_at_stall(a);
     a.s = 0.0;
     pending[0] = *b;
     for (int count = 1; count > 0;) {

@@ -408,8 +408,10 @@ std::vector<Task> Run::make_tasks() {
 
 void Run::collect(std::vector<Task>& tasks) {
   double conditioning = 0.0;
+  std::size_t lost = 0, levels_with_lost = 0;
   for (Task& task : tasks) {
-    if (!budget_.exhausted()) result_.undecided_cells += task.lost_seeds;
+    lost += task.lost_seeds;
+    levels_with_lost += task.lost_seeds > 0;
     for (Trace& trace : task.traces) {
       if (!task.level.is_caustic()) conditioning = std::max(conditioning, trace.conditioning);
       if (trace.clipped) {
@@ -421,6 +423,13 @@ void Run::collect(std::vector<Task>& tasks) {
     }
   }
   sort_curves(result_.curves);
+  if (lost > 0 && !budget_.exhausted()) {
+    result_.undecided_cells += lost;
+    warn("unresolved", "in " + std::to_string(lost) + " cells curves of " +
+                           std::to_string(levels_with_lost) +
+                           " levels could not be settled: they lie within rounding of the caustic or "
+                           "of a point where all levels meet");
+  }
   if (conditioning > request_.irradiance_tolerance) {
     warn("conditioning", "rounding of the reflector point alone moves the irradiance by up to " +
                              number(conditioning) + " (relative); that takes the tolerance's place");
