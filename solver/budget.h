@@ -20,13 +20,16 @@ class Budget {
 
   /// True once the time is up, the vertices are spent or the request was cancelled; stays true.
   bool exhausted() {
-    if (exhausted_.load(std::memory_order_relaxed)) return true;
+    return vertices_left_.load(std::memory_order_relaxed) < 0 || out_of_time();
+  }
+  /// The same but for the vertices: what has been traced may still be finished.
+  bool out_of_time() {
+    if (out_of_time_.load(std::memory_order_relaxed)) return true;
     const bool cancelled = cancelled_ && cancelled_->load(std::memory_order_relaxed);
-    if (cancelled || vertices_left_.load(std::memory_order_relaxed) < 0 ||
-        std::chrono::steady_clock::now() > deadline_) {
-      exhausted_.store(true, std::memory_order_relaxed);
+    if (cancelled || std::chrono::steady_clock::now() > deadline_) {
+      out_of_time_.store(true, std::memory_order_relaxed);
     }
-    return exhausted_.load(std::memory_order_relaxed);
+    return out_of_time_.load(std::memory_order_relaxed);
   }
   void spend_vertices(std::size_t n) { vertices_left_ -= static_cast<std::int64_t>(n); }
   void count_evaluations(std::uint64_t n) { evaluations_ += n; }
@@ -36,7 +39,7 @@ class Budget {
   std::chrono::steady_clock::time_point deadline_;
   std::atomic<std::int64_t> vertices_left_;
   std::atomic<std::uint64_t> evaluations_{0};
-  std::atomic<bool> exhausted_{false};
+  std::atomic<bool> out_of_time_{false};
   const std::atomic<bool>* cancelled_;
 };
 

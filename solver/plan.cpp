@@ -82,6 +82,14 @@ Plan make_plan(const OpticalSystem& system, const std::vector<std::vector<int>>&
                                              (dark_sides == 1 ? " side" : " sides") +
                                              " of surfaces without openings that face away from the light"});
   }
+  bool quadrics = !plan.pieces.empty();
+  for (const PlannedPiece& piece : plan.pieces) {
+    quadrics &= system.surfaces()[piece.surface].shape->at_most_quadratic();
+  }
+  if (quadrics) {
+    plan.skipped.push_back({"third_derivatives", "all mirrors are planes or quadrics, whose third "
+                                                 "derivatives vanish"});
+  }
   bool visibility = false;
   for (const PlannedPiece& piece : plan.pieces) visibility |= piece.visibility;
   if (unhidden > 0 && !no_skip.count("visibility")) {

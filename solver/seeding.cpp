@@ -186,6 +186,7 @@ std::vector<Seed> find_seeds(Evaluator& evaluate, Exploration& e,
                              const std::vector<LevelFunction>& targets) {
   Seeder seeder(evaluate, e, targets);
   for (std::size_t i = 0; i < e.cells.size(); ++i) {
+    if (evaluate.budget().exhausted()) break;
     const Cell& cell = e.cells[i];
     for (std::size_t k = 0; k < cell.polygon.size(); ++k) {
       seeder.edge(cell, cell.polygon[k], cell.polygon[(k + 1) % cell.polygon.size()]);

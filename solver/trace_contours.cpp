@@ -107,7 +107,7 @@ std::optional<FieldPoint> settle(const Seed& seed, Evaluator& evaluate, const Fa
 
 void run(Task& task, Budget& budget, double chord, double residual) {
   Evaluator evaluate(task.field->map, budget);
-  std::vector<Trace> whole;
+  std::vector<Trace> whole;  // for telling visited seeds, before visibility cuts them
   for (const Seed& seed : task.seeds) {
     if (budget.exhausted()) break;
     // At a silhouette where a vanishes too all levels meet, and none can be followed.
@@ -122,9 +122,8 @@ void run(Task& task, Budget& budget, double chord, double residual) {
     if (visited(whole, *f, fuzz, evaluate, task.level)) continue;
     const TraceOptions options{chord, residual, kFirstStepShare * seed.reach};
     Trace trace = trace_contour(evaluate, task.field->domain, task.level, *f, options);
-    if (trace.vertices.size() > 1) whole.push_back(std::move(trace));
-  }
-  for (Trace& trace : whole) {
+    if (trace.vertices.size() < 2) continue;
+    whole.push_back(trace);
     if (!task.field->visibility) {
       task.traces.push_back(std::move(trace));
       continue;

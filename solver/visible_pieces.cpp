@@ -112,6 +112,10 @@ std::vector<Trace> visible_pieces(Trace trace, const Visibility& visibility, Eva
   Sighted a = first;
   std::vector<Change> changes;
   for (std::size_t i = 0; i < segments; ++i) {
+    if (evaluate.budget().out_of_time()) {
+      if (open) pieces.back().ends.push_back(Ending::limit);
+      return pieces;
+    }
     const std::size_t next = (i + 1) % n;
     const Sighted b = next == 0 ? first : cutter.sighted(trace.vertices[next].x);
     changes.clear();
