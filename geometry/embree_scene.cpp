@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 
 namespace caustic::geometry {
 
@@ -25,6 +26,12 @@ RTCDevice shared_device() {
   return device;
 }
 
+// Building and releasing scenes of the shared device goes one at a time; asking needs no lock.
+std::mutex& device_mutex() {
+  static std::mutex mutex;
+  return mutex;
+}
+
 struct Query {
   RTCIntersectContext context;  // must come first: Embree hands back its address
   std::vector<int>* out;
@@ -38,7 +45,10 @@ struct EmbreeScene::State {
   Point center;
   double scale = 1.0;
 
-  ~State() { rtcReleaseScene(scene); }
+  ~State() {
+    const std::lock_guard lock(device_mutex());
+    rtcReleaseScene(scene);
+  }
 
   static void bounds(const RTCBoundsFunctionArguments* args) {
     const Box& box = static_cast<const State*>(args->geometryUserPtr)->boxes[args->primID];
@@ -71,6 +81,7 @@ EmbreeScene::EmbreeScene(const std::vector<Box>& boxes, double margin)
     s.boxes.push_back({lo.array() - wide - kFloatSlack * lo.array().abs(),
                        hi.array() + wide + kFloatSlack * hi.array().abs()});
   }
+  const std::lock_guard lock(device_mutex());
   const RTCDevice device = shared_device();
   s.scene = rtcNewScene(device);
   rtcSetSceneFlags(s.scene, RTC_SCENE_FLAG_ROBUST);
