@@ -270,7 +270,15 @@ TEST_F(ServerTest, killed_at_any_moment_leaves_whole_files) {
           answers.push_back(reply.body);
         }
       });
-    std::this_thread::sleep_for(std::chrono::milliseconds(20 + 15 * round));
+    // Each round at another moment, but never before something was answered: sanitizers are slow.
+    const auto answered = [&] {
+      const std::lock_guard lock(mutex);
+      return answers.size();
+    };
+    const std::size_t enough = answered() + 1 + 4 * round;
+    for (int wait = 0; wait < 6000 && answered() < enough; ++wait)
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    std::this_thread::sleep_for(std::chrono::milliseconds(3 * round));
     victim.stop(SIGKILL);
     for (std::thread& client : clients) client.join();
   }
