@@ -133,8 +133,15 @@ class Asphere final : public Surface {
       return sheet_charts(o_, axes_, {[sag](double a, double b) { return sag.at(a * a + b * b)[0]; }})(
           extent);
     }
-    // Square to disc: x = a√(1 − b²/2), y = b√(1 − a²/2).
-    return {{[=, o = o_, axes = axes_, last = last_](double s, double t) {
+    // Square to disc: x = a√(1 − b²/2), y = b√(1 − a²/2); no further than the region reaches, since
+    // near the last radius the surface is steep and large.
+    double reach = 0.0;
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vec3 pick((corner & 1) != 0, (corner & 2) != 0, (corner & 4) != 0);
+      const Point x = extent.region.min + pick.cwiseProduct(extent.region.max - extent.region.min);
+      reach = std::max(reach, std::sqrt(across(local(x))));
+    }
+    return {{[=, o = o_, axes = axes_, last = std::min(last_, reach)](double s, double t) {
       const double a = 2.0 * s - 1.0, b = 2.0 * t - 1.0;
       const double x = last * a * std::sqrt(1.0 - 0.5 * b * b);
       const double y = last * b * std::sqrt(1.0 - 0.5 * a * a);

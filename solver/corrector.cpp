@@ -45,6 +45,7 @@ std::optional<FieldPoint> correct_at_end(Evaluator& evaluate, const LevelFunctio
                                          const Domain& domain, int end, const Point& x,
                                          const CorrectorOptions& options) {
   FieldPoint at = evaluate.on_surface(x);
+  double previous = geometry::kInfinity;
   for (int i = 0; i < kMaxSteps; ++i) {
     if (!at.finite || (at.x - x).norm() > options.trust) return std::nullopt;
     const double rounding = evaluate.map().rounding(at.x), h = domain.value(end, at);
@@ -55,6 +56,10 @@ std::optional<FieldPoint> correct_at_end(Evaluator& evaluate, const LevelFunctio
     geometry::Mat2 K;
     K << df.dot(at.e1), df.dot(at.e2), dh.dot(at.e1), dh.dot(at.e2);
     if (floor > kUndetermined && on_curve) return std::nullopt;
+    // Both no better than before, although close: rounding inside f and h is the limit.
+    const double merit = f.residual(at) + std::abs(h) / evaluate.map().receiver().width();
+    if (i > 2 && merit >= 0.5 * previous && merit < 1e-9 + 1e3 * floor) return at;
+    previous = merit;
     if (on_curve && std::abs(h) <= kRoundings * rounding * (1.0 + K.row(1).norm())) return at;
     const Vec2 step = K.inverse() * Vec2(-f.value(at), -h);
     if (!step.allFinite()) return std::nullopt;

@@ -12,6 +12,7 @@ class Domain {
  public:
   explicit Domain(const ForwardMap& map) : map_(map), bounds_(map.mirror().bounds) {}
 
+  const ForwardMap& map() const { return map_; }
   /// Boundaries are numbered 0 … size() − 1.
   int size() const { return bound_count() + 6; }
   /// h at a point, a length; ≤ 0 inside.

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <unordered_map>
 
+#include "geometry/opening.h"
 #include "geometry/root_finding.h"
 
 namespace caustic::solver {
@@ -31,6 +32,8 @@ constexpr double kOvershoot = 0.5;
 constexpr double kClipShare = 1e-6;
 // The samples' spread about the middle underestimates a cell's radius on curved charts.
 constexpr double kRadiusFactor = 1.3;
+// Half the radius of a cell that the aperture cuts is at most the radius of what that leaves.
+constexpr double kOpeningShare = 0.5;
 // A cell must be smaller than this many distances from a point source, to see σ vary.
 constexpr double kSourceShare = 0.7;
 // After so many cells only boundaries and fields are refined: a scene that needs more is degenerate.
@@ -78,11 +81,13 @@ class Explorer {
     const FieldPoint& operator()(const Exploration& e, int k) const { return e.samples[samples[k]]; }
   };
 
+  double find_opening() const;
   int sample(int chart, int i, int j);
   View look(const Square& c);
   Verdict judge(const Square& c, View& view);
   bool varies(const View& view) const;
   void keep(const Square& c, const View& view);
+  Corner crossing(int boundary, int chart, const Corner& a, const Corner& b);
   std::vector<Corner> clip(int chart, std::vector<Corner> polygon);
   double hidden_share(const View& view);
   bool near_source(const View& view) const;
@@ -94,12 +99,32 @@ class Explorer {
   const ForwardMap& map_;
   const Hidden& hidden_;
   double window_;
+  double opening_ = geometry::kInfinity;  // radius of what the aperture leaves, m
   int base_ = kBaseOfOne;
   std::size_t seen_ = 0;
   Exploration result_;
   std::unordered_map<std::uint64_t, int> known_;
   std::unordered_map<int, bool> hidden_known_;
 };
+
+// Climbs from the middle of every cell of the base that the aperture may touch.
+double Explorer::find_opening() const {
+  const auto& bounds = map_.mirror().bounds;
+  std::vector<Point> starts;
+  double largest = 0.0;
+  const double step = 1.0 / base_;
+  for (const auto& chart : result_.charts) {
+    for (int i = 0; i < base_; ++i) {
+      for (int j = 0; j < base_; ++j) {
+        const Point middle = chart.point((i + 0.5) * step, (j + 0.5) * step);
+        const double radius = (chart.point(i * step, j * step) - middle).norm();
+        if (middle.allFinite()) starts.push_back(middle);
+        if (std::isfinite(radius)) largest = std::max(largest, radius);
+      }
+    }
+  }
+  return geometry::opening_radius(map_.shape(), bounds, starts, largest);
+}
 
 int Explorer::sample(int chart, int i, int j) {
   const std::uint64_t key = (static_cast<std::uint64_t>(chart) << 56) |
@@ -173,6 +198,9 @@ Explorer::Verdict Explorer::judge(const Square& c, View& view) {
     if (bound.lower_bound_within(h, view.radius) > 0.0) return Verdict::discard;
     view.cut |= h > -view.radius;
   }
+  if (view.cut && view.radius * kOpeningShare > opening_ && c.depth < deepest) {
+    return Verdict::refine;
+  }
   if (near_source(view)) {
     if (c.depth < deepest) return Verdict::refine;
     ++result_.unresolved;
@@ -212,7 +240,9 @@ Explorer::Verdict Explorer::judge(const Square& c, View& view) {
     view.cut |= !(a.positive() && b.negative()) && !(a.negative() && b.positive());
   }
   if (facing.lo < 0.0 && facing.hi > 0.0) {
-    return c.depth < kPoleDepth ? Verdict::refine : Verdict::discard;
+    if (c.depth < kPoleDepth) return Verdict::refine;
+    ++result_.unresolved;
+    return Verdict::discard;
   }
   if (behind > view.radius) return Verdict::discard;
   view.cut |= !cosine.positive() || behind > -view.radius;
@@ -229,6 +259,27 @@ Explorer::Verdict Explorer::judge(const Square& c, View& view) {
   return Verdict::keep;
 }
 
+// Where the edge between two corners crosses a boundary of the domain.
+Corner Explorer::crossing(int boundary, int chart, const Corner& a, const Corner& b) {
+  const auto place = [&](double w) {
+    return Vec2(a.s + w * (b.s - a.s), a.t + w * (b.t - a.t));
+  };
+  const auto value = [&](double w) {
+    const Vec2 at = place(w);
+    return domain_.value(boundary, evaluate_(result_.charts[chart].point(at.x(), at.y())));
+  };
+  const double ha = domain_.value(boundary, result_.samples[a.sample]);
+  const double hb = domain_.value(boundary, result_.samples[b.sample]);
+  double w = ha == 0.0 ? 0.0 : hb == 0.0 ? 1.0 : 0.5;
+  if (ha != 0.0 && hb != 0.0) {
+    const double small = kClipShare * (std::abs(ha) + std::abs(hb));
+    w = geometry::illinois_root(
+        value, [&](double, double v) { return std::abs(v) <= small; }, 0.0, 1.0, ha, hb);
+  }
+  const Vec2 at = place(w);
+  return {at.x(), at.y(), add_sample(result_, evaluate_, chart, at.x(), at.y())};
+}
+
 // The part of a polygon inside the domain, boundary by boundary; new corners lie on the boundary.
 std::vector<Corner> Explorer::clip(int chart, std::vector<Corner> polygon) {
   std::vector<Corner> kept;
@@ -239,21 +290,14 @@ std::vector<Corner> Explorer::clip(int chart, std::vector<Corner> polygon) {
     kept.clear();
     for (std::size_t k = 0; k < polygon.size(); ++k) {
       const Corner a = polygon[k], b = polygon[(k + 1) % polygon.size()];
-      const double ha = h(a.sample), hb = h(b.sample);
-      if (ha <= 0.0) kept.push_back(a);
-      if ((ha <= 0.0) == (hb <= 0.0) || ha == 0.0) continue;
-      Corner cut{a.s, a.t, -1};
-      const auto value = [&](double w) {
-        const Point x = result_.charts[chart].point(a.s + w * (b.s - a.s), a.t + w * (b.t - a.t));
-        return domain_.value(boundary, evaluate_(x));
-      };
-      const double small = kClipShare * (std::abs(ha) + std::abs(hb));
-      const double w = geometry::illinois_root(
-          value, [&](double, double v) { return std::abs(v) <= small; }, 0.0, 1.0, ha, hb);
-      cut.s = a.s + w * (b.s - a.s);
-      cut.t = a.t + w * (b.t - a.t);
-      cut.sample = add_sample(result_, evaluate_, chart, cut.s, cut.t);
-      if (result_.samples[cut.sample].finite) kept.push_back(cut);
+      const bool a_inside = h(a.sample) <= 0.0, b_inside = h(b.sample) <= 0.0;
+      if (a_inside) kept.push_back(a);
+      if (a_inside == b_inside) continue;
+      const Corner cut = crossing(boundary, chart, a, b);
+      if (!result_.samples[cut.sample].finite) continue;
+      kept.push_back(cut);
+      // On the way out the polygon goes on along the boundary, on the way in along the old edge.
+      kept.back().boundary = a_inside ? boundary : a.boundary;
     }
     polygon.swap(kept);
   }
@@ -278,6 +322,7 @@ void Explorer::keep(const Square& c, const View& view) {
 
 Exploration Explorer::run() {
   base_ = result_.charts.size() == 1 ? kBaseOfOne : kBaseOfMany;
+  opening_ = find_opening();
   known_.reserve(4096);
   result_.samples.reserve(4096);
   std::vector<Square> stack;
@@ -336,11 +381,52 @@ double image_area(const Exploration& e, const Cell& cell) {
   return 0.5 * std::abs(twice);
 }
 
-double flux_of(const Exploration& e, const Cell& cell, const ForwardMap& map, const Light& light) {
-  const double rho = map.mirror().optics.reflectance;
+namespace {
+
+// Unit tangent of a cell's edge at one of its corners, towards `along`: of the domain's boundary, or of
+// the chart's line.
+Vec3 edge_tangent(const Exploration& e, const Cell& cell, const Domain& domain, int boundary,
+                  const Corner& at, const Vec2& step, const Vec3& along) {
+  const FieldPoint& f = e.samples[at.sample];
+  Vec3 t;
+  if (boundary >= 0) {
+    t = f.n.cross(domain.gradient(boundary, f));
+  } else {
+    const auto& chart = e.charts[cell.chart];
+    const Vec2 h = 1e-4 * step;
+    t = chart.point(at.s + h.x(), at.t + h.y()) - chart.point(at.s - h.x(), at.t - h.y());
+  }
+  return t.normalized() * std::copysign(1.0, t.dot(along));
+}
+
+// Flux through the ribbon between the curve and the chord of the edge k, with the sign of the
+// polygon's orientation. The cubic with unit tangents T₀, T₁ keeps a mean distance L (T₀ − T₁)/12 from
+// a chord of length L.
+double flux_beyond_chord(const Exploration& e, const Cell& cell, const Domain& domain,
+                         std::size_t k) {
+  const Corner &a = cell.polygon[k], &b = cell.polygon[(k + 1) % cell.polygon.size()];
+  const Point &xa = e.samples[a.sample].x, &xb = e.samples[b.sample].x;
+  const Vec3 chord = xb - xa;
+  const Vec2 step(b.s - a.s, b.t - a.t);
+  const Vec3 bulge = (chord.norm() / 12.0) *
+                     (edge_tangent(e, cell, domain, a.boundary, a, step, chord) -
+                      edge_tangent(e, cell, domain, a.boundary, b, step, chord));
+  const Point middle = 0.5 * (xa + xb);
+  const Vec3 light =
+      domain.map().flux_across(middle) * domain.map().incident(middle).normalized();
+  const double flux = light.dot(bulge.cross(chord));
+  return std::isfinite(flux) ? flux : 0.0;
+}
+
+}  // namespace
+
+double flux_of(const Exploration& e, const Cell& cell, const Domain& domain, const Light& light) {
+  const double rho = domain.map().mirror().optics.reflectance;
   const Point& first = e.samples[cell.polygon[0].sample].x;
   double sum = 0.0;
-  for (std::size_t k = 1; k + 1 < cell.polygon.size(); ++k) {
+  for (std::size_t k = 0; k < cell.polygon.size(); ++k) {
+    sum += flux_beyond_chord(e, cell, domain, k);
+    if (k == 0 || k + 1 == cell.polygon.size()) continue;
     const Point& b = e.samples[cell.polygon[k].sample].x;
     const Point& c = e.samples[cell.polygon[k + 1].sample].x;
     if (const auto* point = std::get_if<PointLight>(&light)) {

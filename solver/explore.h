@@ -16,6 +16,7 @@ namespace caustic::solver {
 struct Corner {
   double s, t;
   int sample;
+  int boundary = -1;  ///< of the domain, on which the edge to the next corner lies; −1 inside
 };
 
 /// A cell at the end of the subdivision, clipped to the domain.
@@ -47,10 +48,11 @@ Exploration explore(Evaluator& evaluate, const Domain& domain, const OpticalSyst
 /// Point of a chart, evaluated and stored.
 int add_sample(Exploration& e, Evaluator& evaluate, int chart, double s, double t);
 
-/// Flux through a cell's polygon, W: ρI × its solid angle from the source, or ρE_b × its area across
-/// the beam. Errors of inner edges cancel between neighbours; what is left is of second order in
-/// the cell's size at the boundary of the domain.
-double flux_of(const Exploration& e, const Cell& cell, const ForwardMap& map, const Light& light);
+/// Flux through a cell, W: ρI × the solid angle of its polygon from the source, or ρE_b × its area
+/// across the beam, and the flux between the chords and the curves that they stand for (lines of the
+/// chart or the domain's boundary, by their tangents at the corners). Of fourth order in the cell's
+/// size.
+double flux_of(const Exploration& e, const Cell& cell, const Domain& domain, const Light& light);
 /// Area of the polygon's image on the receiver, m².
 double image_area(const Exploration& e, const Cell& cell);
 

@@ -58,7 +58,7 @@ void FamilyField::measure() {
       ++lit;
     }
     if (lit == 0) continue;
-    flux += visible * flux_of(exploration, cell, map, system_.light());
+    flux += visible * flux_of(exploration, cell, domain, system_.light());
     const FieldPoint& center = exploration.samples[cell.center];
     const double phi = domain.contains(center) ? center.inverse_irradiance() : phi_sum / lit;
     const double area = visible * image_area(exploration, cell);

@@ -72,6 +72,11 @@ class ForwardMap {
   Vec3 incident(const Point& x) const;
   Vec3 reflected(const Point& x) const;
 
+  /// Flux density across the light at x, times ρ: ρI/|d|² or ρE_b, W/m².
+  double flux_across(const Point& x) const {
+    return point_source_ ? strength_ / (x - source_).squaredNorm() : strength_;
+  }
+
   /// The point of the surface reached from x by Newton's steps along ∇g, to rounding.
   Point project(const Point& x) const;
   /// Rounding error of a point near x, m (S14).

@@ -7,6 +7,9 @@ namespace caustic::solver {
 
 namespace {
 
+// The contract's limit; two numbers far apart can have more between them.
+constexpr std::size_t kMaxLevels = 1000;
+
 // 1, 2 and 5 times powers of ten within [min, max], as the nearest doubles.
 std::vector<double> one_two_five(double min, double max) {
   std::vector<double> levels;
@@ -16,7 +19,7 @@ std::vector<double> one_two_five(double min, double max) {
     for (const double m : {1.0, 2.0, 5.0}) {
       // Powers up to 10²² are exact, and so is one division by one of them to rounding.
       const double level = e >= 0 ? m * std::pow(10.0, e) : m / std::pow(10.0, -e);
-      if (level >= min && level <= max) levels.push_back(level);
+      if (level >= min && level <= max && levels.size() < kMaxLevels) levels.push_back(level);
     }
   }
   return levels;

@@ -39,8 +39,10 @@ int lit_side(const OpticalSystem& system, const SystemSurface& surface) {
     if (std::abs(g) <= kOnSurfaceShare * system.diameter() * gradient.norm()) return 0;
     return g > 0.0 ? 1 : -1;
   }
-  if (!surface.shape->bounds().bounded()) return 0;
-  return 1;  // a beam comes from infinity, outside of every closed shape
+  const Box box = surface.shape->bounds();
+  if (!box.bounded()) return 0;
+  // A beam comes from infinity, outside of every closed shape; which sign g has there is the user's.
+  return surface.shape->value(box.center() + geometry::Vec3::Constant(box.diagonal())) > 0.0 ? 1 : -1;
 }
 
 bool may_be_hidden(const OpticalSystem& system, int mirror, int side) {

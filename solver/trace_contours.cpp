@@ -347,7 +347,11 @@ std::vector<double> Run::levels() {
     samples.insert(samples.end(), field->samples.begin(), field->samples.end());
   }
   std::vector<double> levels = resolve_levels(request_.levels, samples);
-  if (levels.empty()) warn("no_levels", "no light on the receiver to choose levels from");
+  if (levels.empty()) {
+    warn("no_levels", samples.empty() ? "no light on the receiver to choose levels from"
+                                      : "no level lies between the given min or max and the 5th or "
+                                        "95th percentile that takes the other's place");
+  }
   return levels;
 }
 

@@ -96,10 +96,12 @@ std::vector<Trace> visible_pieces(Trace trace, const Visibility& visibility, Eva
   const auto open_piece = [&](Ending ending) {
     Trace piece;
     piece.conditioning = trace.conditioning;
-    piece.clipped = trace.clipped;
-    piece.stalled = trace.stalled;
     piece.ends = {ending};
     pieces.push_back(std::move(piece));
+  };
+  const auto keep_original_end = [&](Trace& piece) {
+    piece.clipped |= trace.clipped;
+    piece.stalled |= trace.stalled;
   };
   std::size_t changes_seen = 0;
   const std::size_t n = trace.vertices.size(), segments = trace.closed ? n : n - 1;
@@ -107,6 +109,7 @@ std::vector<Trace> visible_pieces(Trace trace, const Visibility& visibility, Eva
   bool open = !first.hidden();
   if (open) {
     open_piece(trace.closed ? Ending::limit : trace.ends[0]);
+    keep_original_end(pieces.back());
     pieces.back().vertices.push_back(trace.vertices[0]);
   }
   Sighted a = first;
@@ -145,6 +148,7 @@ std::vector<Trace> visible_pieces(Trace trace, const Visibility& visibility, Eva
     head.ends[0] = last.ends[0];
   } else if (open) {
     pieces.back().ends.push_back(trace.ends[1]);
+    keep_original_end(pieces.back());
   }
   return pieces;
 }

@@ -1,0 +1,80 @@
+#include "geometry/opening.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace caustic::geometry {
+
+namespace {
+
+constexpr int kApproaches = 40;  // projections until inside
+constexpr int kClimbs = 40;      // steps of a climb, halved where they do not help
+
+double largest(const std::vector<Bound>& bounds, const Point& x) {
+  double h = -kInfinity;
+  for (const Bound& b : bounds) h = std::max(h, b.value(x));
+  return h;
+}
+
+// Direction that leads away from all bounds that are within `reach` of the worst one.
+Vec3 away(const std::vector<Bound>& bounds, const Point& x, double worst, double reach) {
+  Vec3 sum = Vec3::Zero();
+  for (const Bound& b : bounds) {
+    if (b.value(x) >= worst - reach) sum -= b.gradient(x).normalized();
+  }
+  const double length = sum.norm();
+  return length > 1e-6 ? Vec3(sum / length) : Vec3::Zero();
+}
+
+// Newton's method back to the surface; two steps are enough for a climb.
+Point towards_surface(const Surface& surface, Point x) {
+  Vec3 gradient;
+  for (int i = 0; i < 2; ++i) {
+    const double g = surface.value_gradient(x, gradient);
+    const Point back = x - gradient * (g / gradient.squaredNorm());
+    if (!back.allFinite()) break;
+    x = back;
+  }
+  return x;
+}
+
+// Projections onto the worst bound and back to the surface, until x exists.
+Point approach(const Surface& surface, const std::vector<Bound>& bounds, Point x) {
+  for (int i = 0; i < kApproaches; ++i) {
+    const auto worst = std::max_element(bounds.begin(), bounds.end(), [&](auto& a, auto& b) {
+      return a.value(x) < b.value(x);
+    });
+    const double h = worst->value(x);
+    if (h <= 0.0) break;
+    const Vec3 slope = worst->gradient(x);
+    x = towards_surface(surface, x - slope * (h / slope.squaredNorm()));
+  }
+  return x;
+}
+
+}  // namespace
+
+double opening_radius(const Surface& surface, const std::vector<Bound>& bounds,
+                      const std::vector<Point>& starts, double enough) {
+  if (bounds.empty()) return enough;
+  double best = -kInfinity;
+  for (const Point& start : starts) {
+    Point x = approach(surface, bounds, start);
+    double h = largest(bounds, x), step = enough;
+    for (int i = 0; i < kClimbs && -h < enough; ++i) {
+      const Point next = towards_surface(surface, x + step * away(bounds, x, h, step));
+      const double h_next = largest(bounds, next);
+      if (h_next < h) {
+        x = next;
+        h = h_next;
+      } else {
+        step *= 0.5;
+      }
+    }
+    best = std::max(best, -h);
+    if (best >= enough) return enough;
+  }
+  return best;
+}
+
+}  // namespace caustic::geometry
