@@ -17,7 +17,8 @@ class EmbreeScene {
   EmbreeScene(const EmbreeScene&) = delete;
   EmbreeScene& operator=(const EmbreeScene&) = delete;
 
-  /// Indices of all boxes that the segment ray(0…t1) may meet, ascending. Thread-safe.
+  /// Indices of all boxes that the segment ray(0…t1) meets, ascending, and of some that it does not.
+  /// Thread-safe.
   void candidates(const Ray& ray, double t1, std::vector<int>& out) const;
 
  private:

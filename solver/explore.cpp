@@ -399,18 +399,26 @@ Vec3 edge_tangent(const Exploration& e, const Cell& cell, const Domain& domain, 
   return t.normalized() * std::copysign(1.0, t.dot(along));
 }
 
+// Mean distance, times its direction, of a curve from its chord of length L: L (T₀ − T₁)/12 by the cubic
+// with unit tangents T₀, T₁, corrected so that it is exact for arcs of any angle θ.
+Vec3 mean_bulge(double length, const Vec3& t0, const Vec3& t1) {
+  const Vec3 turn = t0 - t1;
+  const double sine = std::min(1.0, 0.5 * turn.norm()), angle = 2.0 * std::asin(sine);
+  const double arc = angle > 0.1 ? 0.75 * (angle - std::sin(angle)) / (sine * sine * sine) : 1.0;
+  return (arc * length / 12.0) * turn;
+}
+
 // Flux through the ribbon between the curve and the chord of the edge k, with the sign of the
-// polygon's orientation. The cubic with unit tangents T₀, T₁ keeps a mean distance L (T₀ − T₁)/12 from
-// a chord of length L.
+// polygon's orientation.
 double flux_beyond_chord(const Exploration& e, const Cell& cell, const Domain& domain,
                          std::size_t k) {
   const Corner &a = cell.polygon[k], &b = cell.polygon[(k + 1) % cell.polygon.size()];
   const Point &xa = e.samples[a.sample].x, &xb = e.samples[b.sample].x;
   const Vec3 chord = xb - xa;
   const Vec2 step(b.s - a.s, b.t - a.t);
-  const Vec3 bulge = (chord.norm() / 12.0) *
-                     (edge_tangent(e, cell, domain, a.boundary, a, step, chord) -
-                      edge_tangent(e, cell, domain, a.boundary, b, step, chord));
+  const Vec3 bulge =
+      mean_bulge(chord.norm(), edge_tangent(e, cell, domain, a.boundary, a, step, chord),
+                 edge_tangent(e, cell, domain, a.boundary, b, step, chord));
   const Point middle = 0.5 * (xa + xb);
   const Vec3 light =
       domain.map().flux_across(middle) * domain.map().incident(middle).normalized();
