@@ -225,7 +225,7 @@ class Asphere final : public Surface {
 // g = z − (r² + (1+k) z²)/(2R), the vertex's sheet only.
 SurfacePtr pure_conic(const Point& vertex, const Mat3& axes, double R, double k) {
   const double e = 1.0 + k;
-  const QuadricForm form{vertex, axes, {-1.0 / R, -1.0 / R, -e / R}, 1.0, 0.0};
+  const QuadricForm form{vertex, axes, {-1.0 / R, -1.0 / R, -e / R}, Vec3::UnitZ(), 0.0};
   const Direction axis = axes.col(2);
   const ChartMaker sheet = sheet_charts(vertex, axes, {[=](double a, double b) {
     const double c = 1.0 / R, u = a * a + b * b;

@@ -106,11 +106,13 @@ TEST_P(EverySurface, ValueIsALengthWithTheContractsSign) {
 }
 
 TEST_P(EverySurface, ChartPointsLieOnTheSurface) {
+  // Ten rounded coefficients bend a cylinder by their own rounding times the distance squared.
+  const double roundings = spec().kind == Kind::quadric ? 256.0 : 32.0;
   for (const double half : {0.5, 3.0, 100.0}) {
     for (const Point& x : points(100, half)) {
       const auto r = test::reference_shape(spec(), x);
       if (!regular(x, 0.01)) continue;
-      EXPECT_LT(std::abs(r.distance), 32.0 * kEpsilon * (1.0 + x.norm())) << x.transpose();
+      EXPECT_LT(std::abs(r.distance), roundings * kEpsilon * (1.0 + x.norm())) << x.transpose();
     }
   }
 }
