@@ -42,15 +42,17 @@ struct Sag {
     const double b0 = base.at(lo)[d], b1 = base.at(hi)[d];
     Range sum{std::min(b0, b1), std::max(b0, b1)};
     double magnitude = std::max(std::abs(b0), std::abs(b1));
-    for (std::size_t i = 0; i < terms.size(); ++i) {
-      const int power = static_cast<int>(i) + 2 - d;
-      if (power < 0) continue;
+    const int first = std::max(0, d - 2);  // lower terms vanish
+    double lo_power = std::pow(lo, first + 2 - d), hi_power = std::pow(hi, first + 2 - d);
+    for (int i = first; i < static_cast<int>(terms.size()); ++i) {
       double factor = terms[i];
-      for (int j = 0; j < d; ++j) factor *= static_cast<double>(power + d - j);
-      const double v0 = factor * std::pow(lo, power), v1 = factor * std::pow(hi, power);
+      for (int j = 0; j < d; ++j) factor *= i + 2 - j;
+      const double v0 = factor * lo_power, v1 = factor * hi_power;
       sum.lo += std::min(v0, v1);
       sum.hi += std::max(v0, v1);
       magnitude += std::max(std::abs(v0), std::abs(v1));
+      lo_power *= lo;
+      hi_power *= hi;
     }
     const double slack = 1e-15 * magnitude * static_cast<double>(terms.size() + 4);
     return {sum.lo - slack, sum.hi + slack};
@@ -99,21 +101,17 @@ class Asphere final : public Surface {
   bool at_most_quadratic() const override { return false; }
 
   void crossings(const Ray& ray, double t0, double t1, RayParameters& out) const override {
-    Along h{*this, ray};
+    const Along h(*this, ray);
     if (!h.clip(t0, t1)) return;
     const std::size_t first = out.size();
-    isolated_roots([&](double t) { return h.value(t); }, [&](double t) { return h.slope(t); },
-                   [&](double a, double b) { return h.value_range(a, b); },
-                   [&](double a, double b) { return h.slope_range(a, b); }, t0, t1, out);
+    isolated_roots(Height{h}, t0, t1, out);
     h.unshift(out, first);
   }
   void stationary(const Ray& ray, double t0, double t1, RayParameters& out) const override {
-    Along h{*this, ray};
+    const Along h(*this, ray);
     if (!h.clip(t0, t1)) return;
     const std::size_t first = out.size();
-    isolated_roots([&](double t) { return h.slope(t); }, [&](double t) { return h.bend(t); },
-                   [&](double a, double b) { return h.slope_range(a, b); },
-                   [&](double a, double b) { return h.bend_range(a, b); }, t0, t1, out);
+    isolated_roots(Slope{h}, t0, t1, out);
     h.unshift(out, first);
   }
 
@@ -175,6 +173,10 @@ class Asphere final : public Surface {
       const auto s = sag.at(u(t));
       return -s[2] * du(t) * du(t) - 2.0 * s[1] * u2;
     }
+    double twist(double t) const {
+      const auto s = sag.at(u(t));
+      return -du(t) * (s[3] * du(t) * du(t) + 6.0 * s[2] * u2);
+    }
     Range value_range(double a, double b) const {
       const Range u_ab = u_range(a, b), s = sag.range(0, u_ab.lo, u_ab.hi);
       const double za = z0 + z1 * a, zb = z0 + z1 * b;
@@ -193,6 +195,13 @@ class Asphere final : public Surface {
       const bool turns = du(a) < 0.0 && du(b) > 0.0;
       const Range p = product(s2, {turns ? 0.0 : std::min(da, db), std::max(da, db)});
       return {-p.hi - 2.0 * u2 * s1.hi, -p.lo - 2.0 * u2 * s1.lo};
+    }
+    Range twist_range(double a, double b) const {
+      const Range u_ab = u_range(a, b), s2 = sag.range(2, u_ab.lo, u_ab.hi);
+      const Range s3 = sag.range(3, u_ab.lo, u_ab.hi);
+      const double da = du(a), db = du(b);
+      const Range p3 = product(s3, {da * da * da, db * db * db}), p2 = product(s2, {da, db});
+      return {-p3.hi - 6.0 * u2 * p2.hi, -p3.lo - 6.0 * u2 * p2.lo};
     }
     // Shifts [t0, t1] and restricts it to where u(t) <= last²; false if nothing is left.
     bool clip(double& t0, double& t1) const {
@@ -214,6 +223,25 @@ class Asphere final : public Surface {
     void unshift(RayParameters& out, std::size_t first) const {
       for (std::size_t i = first; i < out.size(); ++i) out[i] += shift;
     }
+  };
+
+  struct Height {
+    const Along& h;
+    double f(double t) const { return h.value(t); }
+    double df(double t) const { return h.slope(t); }
+    double ddf(double t) const { return h.bend(t); }
+    Range range_f(double a, double b) const { return h.value_range(a, b); }
+    Range range_df(double a, double b) const { return h.slope_range(a, b); }
+    Range range_ddf(double a, double b) const { return h.bend_range(a, b); }
+  };
+  struct Slope {
+    const Along& h;
+    double f(double t) const { return h.slope(t); }
+    double df(double t) const { return h.bend(t); }
+    double ddf(double t) const { return h.twist(t); }
+    Range range_f(double a, double b) const { return h.slope_range(a, b); }
+    Range range_df(double a, double b) const { return h.bend_range(a, b); }
+    Range range_ddf(double a, double b) const { return h.twist_range(a, b); }
   };
 
   Point o_;
