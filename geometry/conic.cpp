@@ -12,6 +12,8 @@ namespace {
 // The last radius of an ellipsoidal conic, where its slope is infinite, is left out by this share
 // of its square; aspheric terms have no continuation beyond.
 constexpr double kRimShare = 1e-8;
+// A point whose height gives w to within so much lies on the surface.
+constexpr double kSurfaceShare = 1e-13;
 
 // Height S(u) over u = r²: base conic plus Σ A_{4+2i} u^{i+2}, with derivatives in u.
 //   S₀' = c/(2√w),  S₀'' = c κ/(4 w^{3/2}),  S₀''' = 3 c κ²/(8 w^{5/2});  κ = (1+k)c², w = 1 − κu.
@@ -20,7 +22,20 @@ struct Sag {
   std::vector<double> terms;
 
   std::array<double, 4> at(double u) const {
-    const double w = std::max(1.0 - kappa * u, kRimShare), root = std::sqrt(w);
+    return with_root(u, std::sqrt(std::max(1.0 - kappa * u, kRimShare)));
+  }
+  /// The same at height z. On the surface √w = 1 − κ(z − Σ …)/c: next to the last radius w is lost
+  /// to rounding, but its root is not if it comes from the height.
+  std::array<double, 4> at(double u, double z) const {
+    double sum = 0.0;
+    for (std::size_t i = terms.size(); i-- > 0;) sum = sum * u + terms[i];
+    const double w = std::max(1.0 - kappa * u, kRimShare);
+    const double root = 1.0 - kappa / c * (z - u * u * sum);
+    const bool on_surface = root > 0.0 && std::abs(root * root - w) <= kSurfaceShare;
+    return with_root(u, on_surface ? root : std::sqrt(w));
+  }
+  std::array<double, 4> with_root(double u, double root) const {
+    const double w = root * root;
     std::array<double, 4> s{c * u / (1.0 + root), 0.5 * c / root, 0.25 * c * kappa / (w * root),
                             0.375 * c * kappa * kappa / (w * w * root)};
     double sum[4] = {};
@@ -82,16 +97,16 @@ class Asphere final : public Surface {
   }
   SurfaceDerivatives derivatives(const Point& x) const override {
     const Vec3 y = local(x);
-    const auto s = sag_.at(across(y));
+    const auto s = sag_.at(across(y), y.z());
     Mat3 H = Mat3::Zero();
     const Vec2 flat = y.head<2>();
     H.topLeftCorner<2, 2>() = -4.0 * s[2] * flat * flat.transpose() - 2.0 * s[1] * Mat2::Identity();
-    return {y.z() - s[0], axes_ * Vec3(-2.0 * s[1] * y.x(), -2.0 * s[1] * y.y(), 1.0),
+    return {y.z() - sag_.at(across(y))[0], axes_ * Vec3(-2.0 * s[1] * y.x(), -2.0 * s[1] * y.y(), 1.0),
             axes_ * H * axes_.transpose()};
   }
   Vec3 third_derivative(const Point& x, const Vec3& u, const Vec3& v) const override {
     const Vec3 y = local(x);
-    const auto s = sag_.at(across(y));
+    const auto s = sag_.at(across(y), y.z());
     const Vec2 flat = y.head<2>();
     const Vec2 a = (axes_.transpose() * u).head<2>(), b = (axes_.transpose() * v).head<2>();
     const double ya = flat.dot(a), yb = flat.dot(b);
