@@ -12,6 +12,8 @@ namespace {
 // The last radius of an ellipsoidal conic, where its slope is infinite, is left out by this share
 // of its square; aspheric terms have no continuation beyond.
 constexpr double kRimShare = 1e-8;
+// A point whose height gives w to within so much lies on the surface.
+constexpr double kSurfaceShare = 1e-13;
 
 // Height S(u) over u = r²: base conic plus Σ A_{4+2i} u^{i+2}, with derivatives in u.
 //   S₀' = c/(2√w),  S₀'' = c κ/(4 w^{3/2}),  S₀''' = 3 c κ²/(8 w^{5/2});  κ = (1+k)c², w = 1 − κu.
@@ -20,7 +22,20 @@ struct Sag {
   std::vector<double> terms;
 
   std::array<double, 4> at(double u) const {
-    const double w = std::max(1.0 - kappa * u, kRimShare), root = std::sqrt(w);
+    return with_root(u, std::sqrt(std::max(1.0 - kappa * u, kRimShare)));
+  }
+  /// The same at height z. On the surface √w = 1 − κ(z − Σ …)/c: next to the last radius w is lost
+  /// to rounding, but its root is not if it comes from the height.
+  std::array<double, 4> at(double u, double z) const {
+    double sum = 0.0;
+    for (std::size_t i = terms.size(); i-- > 0;) sum = sum * u + terms[i];
+    const double w = std::max(1.0 - kappa * u, kRimShare);
+    const double root = 1.0 - kappa / c * (z - u * u * sum);
+    const bool on_surface = root > 0.0 && std::abs(root * root - w) <= kSurfaceShare;
+    return with_root(u, on_surface ? root : std::sqrt(w));
+  }
+  std::array<double, 4> with_root(double u, double root) const {
+    const double w = root * root;
     std::array<double, 4> s{c * u / (1.0 + root), 0.5 * c / root, 0.25 * c * kappa / (w * root),
                             0.375 * c * kappa * kappa / (w * w * root)};
     double sum[4] = {};
@@ -42,15 +57,17 @@ struct Sag {
     const double b0 = base.at(lo)[d], b1 = base.at(hi)[d];
     Range sum{std::min(b0, b1), std::max(b0, b1)};
     double magnitude = std::max(std::abs(b0), std::abs(b1));
-    for (std::size_t i = 0; i < terms.size(); ++i) {
-      const int power = static_cast<int>(i) + 2 - d;
-      if (power < 0) continue;
+    const int first = std::max(0, d - 2);  // lower terms vanish
+    double lo_power = std::pow(lo, first + 2 - d), hi_power = std::pow(hi, first + 2 - d);
+    for (int i = first; i < static_cast<int>(terms.size()); ++i) {
       double factor = terms[i];
-      for (int j = 0; j < d; ++j) factor *= static_cast<double>(power + d - j);
-      const double v0 = factor * std::pow(lo, power), v1 = factor * std::pow(hi, power);
+      for (int j = 0; j < d; ++j) factor *= i + 2 - j;
+      const double v0 = factor * lo_power, v1 = factor * hi_power;
       sum.lo += std::min(v0, v1);
       sum.hi += std::max(v0, v1);
       magnitude += std::max(std::abs(v0), std::abs(v1));
+      lo_power *= lo;
+      hi_power *= hi;
     }
     const double slack = 1e-15 * magnitude * static_cast<double>(terms.size() + 4);
     return {sum.lo - slack, sum.hi + slack};
@@ -80,16 +97,16 @@ class Asphere final : public Surface {
   }
   SurfaceDerivatives derivatives(const Point& x) const override {
     const Vec3 y = local(x);
-    const auto s = sag_.at(across(y));
+    const auto s = sag_.at(across(y), y.z());
     Mat3 H = Mat3::Zero();
     const Vec2 flat = y.head<2>();
     H.topLeftCorner<2, 2>() = -4.0 * s[2] * flat * flat.transpose() - 2.0 * s[1] * Mat2::Identity();
-    return {y.z() - s[0], axes_ * Vec3(-2.0 * s[1] * y.x(), -2.0 * s[1] * y.y(), 1.0),
+    return {y.z() - sag_.at(across(y))[0], axes_ * Vec3(-2.0 * s[1] * y.x(), -2.0 * s[1] * y.y(), 1.0),
             axes_ * H * axes_.transpose()};
   }
   Vec3 third_derivative(const Point& x, const Vec3& u, const Vec3& v) const override {
     const Vec3 y = local(x);
-    const auto s = sag_.at(across(y));
+    const auto s = sag_.at(across(y), y.z());
     const Vec2 flat = y.head<2>();
     const Vec2 a = (axes_.transpose() * u).head<2>(), b = (axes_.transpose() * v).head<2>();
     const double ya = flat.dot(a), yb = flat.dot(b);
@@ -99,21 +116,17 @@ class Asphere final : public Surface {
   bool at_most_quadratic() const override { return false; }
 
   void crossings(const Ray& ray, double t0, double t1, RayParameters& out) const override {
-    Along h{*this, ray};
+    const Along h(*this, ray);
     if (!h.clip(t0, t1)) return;
     const std::size_t first = out.size();
-    isolated_roots([&](double t) { return h.value(t); }, [&](double t) { return h.slope(t); },
-                   [&](double a, double b) { return h.value_range(a, b); },
-                   [&](double a, double b) { return h.slope_range(a, b); }, t0, t1, out);
+    isolated_roots(Height{h}, t0, t1, out);
     h.unshift(out, first);
   }
   void stationary(const Ray& ray, double t0, double t1, RayParameters& out) const override {
-    Along h{*this, ray};
+    const Along h(*this, ray);
     if (!h.clip(t0, t1)) return;
     const std::size_t first = out.size();
-    isolated_roots([&](double t) { return h.slope(t); }, [&](double t) { return h.bend(t); },
-                   [&](double a, double b) { return h.slope_range(a, b); },
-                   [&](double a, double b) { return h.bend_range(a, b); }, t0, t1, out);
+    isolated_roots(Slope{h}, t0, t1, out);
     h.unshift(out, first);
   }
 
@@ -182,6 +195,10 @@ class Asphere final : public Surface {
       const auto s = sag.at(u(t));
       return -s[2] * du(t) * du(t) - 2.0 * s[1] * u2;
     }
+    double twist(double t) const {
+      const auto s = sag.at(u(t));
+      return -du(t) * (s[3] * du(t) * du(t) + 6.0 * s[2] * u2);
+    }
     Range value_range(double a, double b) const {
       const Range u_ab = u_range(a, b), s = sag.range(0, u_ab.lo, u_ab.hi);
       const double za = z0 + z1 * a, zb = z0 + z1 * b;
@@ -200,6 +217,13 @@ class Asphere final : public Surface {
       const bool turns = du(a) < 0.0 && du(b) > 0.0;
       const Range p = product(s2, {turns ? 0.0 : std::min(da, db), std::max(da, db)});
       return {-p.hi - 2.0 * u2 * s1.hi, -p.lo - 2.0 * u2 * s1.lo};
+    }
+    Range twist_range(double a, double b) const {
+      const Range u_ab = u_range(a, b), s2 = sag.range(2, u_ab.lo, u_ab.hi);
+      const Range s3 = sag.range(3, u_ab.lo, u_ab.hi);
+      const double da = du(a), db = du(b);
+      const Range p3 = product(s3, {da * da * da, db * db * db}), p2 = product(s2, {da, db});
+      return {-p3.hi - 6.0 * u2 * p2.hi, -p3.lo - 6.0 * u2 * p2.lo};
     }
     // Shifts [t0, t1] and restricts it to where u(t) <= last²; false if nothing is left.
     bool clip(double& t0, double& t1) const {
@@ -223,6 +247,25 @@ class Asphere final : public Surface {
     }
   };
 
+  struct Height {
+    const Along& h;
+    double f(double t) const { return h.value(t); }
+    double df(double t) const { return h.slope(t); }
+    double ddf(double t) const { return h.bend(t); }
+    Range range_f(double a, double b) const { return h.value_range(a, b); }
+    Range range_df(double a, double b) const { return h.slope_range(a, b); }
+    Range range_ddf(double a, double b) const { return h.bend_range(a, b); }
+  };
+  struct Slope {
+    const Along& h;
+    double f(double t) const { return h.slope(t); }
+    double df(double t) const { return h.bend(t); }
+    double ddf(double t) const { return h.twist(t); }
+    Range range_f(double a, double b) const { return h.slope_range(a, b); }
+    Range range_df(double a, double b) const { return h.bend_range(a, b); }
+    Range range_ddf(double a, double b) const { return h.twist_range(a, b); }
+  };
+
   Point o_;
   Mat3 axes_;
   Sag sag_;
@@ -232,7 +275,7 @@ class Asphere final : public Surface {
 // g = z − (r² + (1+k) z²)/(2R), the vertex's sheet only.
 SurfacePtr pure_conic(const Point& vertex, const Mat3& axes, double R, double k) {
   const double e = 1.0 + k;
-  const QuadricForm form{vertex, axes, {-1.0 / R, -1.0 / R, -e / R}, 1.0, 0.0};
+  const QuadricForm form{vertex, axes, {-1.0 / R, -1.0 / R, -e / R}, Vec3::UnitZ(), 0.0};
   const Direction axis = axes.col(2);
   const ChartMaker sheet = sheet_charts(vertex, axes, {[=](double a, double b) {
     const double c = 1.0 / R, u = a * a + b * b;

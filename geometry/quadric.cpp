@@ -14,7 +14,7 @@ class Quadric final : public Surface {
   Quadric(const QuadricForm& form, ChartMaker charts, const Box& box, std::vector<Bound> bounds)
       : o_(form.origin),
         A_(form.axes * form.lambda.asDiagonal() * form.axes.transpose()),
-        b_(form.linear * form.axes.col(2)),
+        b_(form.axes * form.linear),
         k_(form.constant),
         convex_{(form.lambda.array() <= 0.0).all(), (form.lambda.array() >= 0.0).all()},
         charts_(std::move(charts)),
@@ -134,7 +134,7 @@ ChartMaker sheet_charts(const Point& origin, const Mat3& axes, std::vector<Heigh
 
 SurfacePtr make_ellipsoid(const Point& center, const Vec3& semi_axes, const Mat3& rotation) {
   const double scale = semi_axes.minCoeff();
-  const QuadricForm form{center, rotation, scale * semi_axes.cwiseAbs2().cwiseInverse(), 0.0,
+  const QuadricForm form{center, rotation, scale * semi_axes.cwiseAbs2().cwiseInverse(), Vec3::Zero(),
                          -0.5 * scale};
   const Vec3 reach = (rotation * semi_axes.asDiagonal()).rowwise().norm();
   return make_quadric_surface(form, ellipsoid_charts(center, rotation, semi_axes),
@@ -143,14 +143,15 @@ SurfacePtr make_ellipsoid(const Point& center, const Vec3& semi_axes, const Mat3
 
 SurfacePtr make_cylinder(const Point& point, const Direction& axis, double radius) {
   const Mat3 axes = axes_about(axis);
-  const QuadricForm form{point, axes, {1.0 / radius, 1.0 / radius, 0.0}, 0.0, -0.5 * radius};
+  const QuadricForm form{point, axes, {1.0 / radius, 1.0 / radius, 0.0}, Vec3::Zero(),
+                         -0.5 * radius};
   return make_quadric_surface(form, tube_charts(point, axes, radius, radius, 1.0, 0.0), {});
 }
 
 SurfacePtr make_cone(const Point& apex, const Direction& axis, double half_angle) {
   const Mat3 axes = axes_about(axis);
   const double slope = std::tan(half_angle);
-  const QuadricForm form{apex, axes, {1.0, 1.0, -slope * slope}, 0.0, 0.0};
+  const QuadricForm form{apex, axes, {1.0, 1.0, -slope * slope}, Vec3::Zero(), 0.0};
   return make_quadric_surface(form, tube_charts(apex, axes, slope, slope, 0.0, 1.0), {});
 }
 

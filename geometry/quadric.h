@@ -1,4 +1,4 @@
-// Quadrics in a frame of their own: g = ½ Σ λᵢ yᵢ² + ℓ y₂ + k, y = axesᵀ (x − origin).
+// Quadrics in a frame of their own: g = ½ Σ λᵢ yᵢ² + ℓ·y + k, y = axesᵀ (x − origin).
 #pragma once
 
 #include "geometry/surface.h"
@@ -9,8 +9,8 @@ struct QuadricForm {
   Point origin;
   Mat3 axes;     ///< columns: an orthonormal frame
   Vec3 lambda;   ///< 1/m
-  double linear = 0.0;    ///< ℓ, along axes.col(2)
-  double constant = 0.0;  ///< k, m
+  Vec3 linear = Vec3::Zero();  ///< ℓ
+  double constant = 0.0;       ///< k, m
 };
 
 using ChartMaker = std::function<std::vector<Chart>(const Extent&)>;

@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "geometry/quadric.h"
 
@@ -12,6 +13,14 @@ namespace {
 
 // Coefficients below this share of the largest of their kind are rounding of zero.
 constexpr double kZeroShare = 1e-13;
+// An axis of less than this share of the largest curvature is flat: its centre may be far away.
+constexpr double kFlatShare = 0.04;
+// A centre that is this many times farther than the surface and its radius of curvature is not used:
+// g about it loses as many digits as this has.
+constexpr double kFar = 25.0;
+// A semi-axis is long if the region reaches less than the root of this share of it; two such axes
+// leave a positive height between them.
+constexpr double kLongAxis = 0.4;
 
 // xᵀQx + 2G·x + J = 0, reduced: Σ λᵢ yᵢ² + 2ℓ y₂ + k = 0 with λ sorted so that its non-zero entries
 // come first; if ℓ ≠ 0 then λ₂ = 0 and k = 0.
@@ -73,43 +82,93 @@ Reduced reduce(const Mat3& Q, const Vec3& G, double J) {
   return r;
 }
 
+// The same quadric about one of its points, for when the centre is far away or infinitely so:
+// Σ λᵢ yᵢ² + 2ℓ·y = 0 in the axes of Reduced. Nearly parabolic surfaces lose nothing here.
+struct Vertex {
+  Point origin;
+  Vec3 linear;  // ℓ, in the flat axes only
+};
+
+std::optional<Vertex> vertex_of(const Reduced& r, const Vec3& G, double J) {
+  const Vec3 b = r.axes.transpose() * G;
+  Vec3 y = Vec3::Zero(), flat = Vec3::Zero();  // b in the flat axes
+  const double largest = r.lambda.cwiseAbs().maxCoeff();
+  double constant = J, largest_flat = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    if (std::abs(r.lambda[i]) > kFlatShare * largest) {
+      y[i] = -b[i] / r.lambda[i];
+      constant += b[i] * y[i];
+    } else {
+      flat[i] = b[i];
+      largest_flat = std::max(largest_flat, std::abs(r.lambda[i]));
+    }
+  }
+  const double slope = flat.norm();
+  if (!(slope > kZeroShare * b.norm())) return {};
+
+  // The nearest point straight down the slope: α δ² + 2 slope δ + constant = 0.
+  const Vec3 along = flat / slope;
+  const double alpha = along.dot(r.lambda.cwiseProduct(along));
+  const double discriminant = slope * slope - alpha * constant;
+  if (!(discriminant > 0.0)) return {};
+  const double step = -constant / (slope + std::sqrt(discriminant));
+  const double radius = largest > 0.0 ? slope / largest : 0.0;
+  if (largest_flat * kFar * (std::abs(step) + radius) > slope) return {};
+  const Vec3 down = step * along;
+  return Vertex{r.axes * (y + down), flat + r.lambda.cwiseProduct(down)};
+}
+
 struct Charted {
   ChartMaker charts;
   Box box{};
   std::string fault;
 };
 
-// Σ sᵢ yᵢ² = 1 with `rank` non-zero s: ellipsoid, hyperboloids, cylinders, parallel planes.
-Charted central(const Reduced& r) {
-  Vec3 s = -r.lambda / r.constant;
-  Mat3 axes = r.axes;
-  const auto positive = (s.array() > 0.0).count();
-  if (positive == 0) return {{}, {}, "the quadric has no real point"};
-  if (positive == 3) {
-    const Vec3 semi = s.cwiseSqrt().cwiseInverse();
-    const Vec3 reach = (axes * semi.asDiagonal()).rowwise().norm();
-    return {ellipsoid_charts(r.origin, axes, semi), {r.origin - reach, r.origin + reach}, ""};
-  }
-  if (positive == 2) {
-    // Tube about the axis whose s is not positive.
-    int last = 2;
-    for (int i = 0; i < 3; ++i) if (!(s[i] > 0.0)) last = i;
-    Mat3 turned;
-    turned << axes.col((last + 1) % 3), axes.col((last + 2) % 3), axes.col(last);
-    const double a = 1.0 / std::sqrt(s[(last + 1) % 3]), b = 1.0 / std::sqrt(s[(last + 2) % 3]);
-    return {tube_charts(r.origin, turned, a, b, 1.0, -s[last]), {}, ""};
-  }
-  // Two sheets over the plane across the one positive axis.
-  int up = 0;
-  for (int i = 0; i < 3; ++i) if (s[i] > 0.0) up = i;
+// Charts of Σ sᵢ yᵢ² = 1 around axes that `closes` marks: the surface closes around two of them (a
+// tube), around all three, or around one only (two sheets across it).
+ChartMaker charts_around(const std::array<bool, 3>& closes, const Point& origin, const Mat3& axes,
+                         const Vec3& s) {
+  const int count = closes[0] + closes[1] + closes[2];
+  if (count == 3) return ellipsoid_charts(origin, axes, s.cwiseSqrt().cwiseInverse());
+  // The axis that is unlike the others comes last.
+  int last = 0;
+  for (int i = 0; i < 3; ++i) if (closes[i] == (count == 1)) last = i;
+  const int first = (last + 1) % 3, second = (last + 2) % 3;
   Mat3 turned;
-  turned << axes.col((up + 1) % 3), axes.col((up + 2) % 3), axes.col(up);
-  const double sa = s[(up + 1) % 3], sb = s[(up + 2) % 3], su = s[up];
+  turned << axes.col(first), axes.col(second), axes.col(last);
+  if (count == 2) {
+    return tube_charts(origin, turned, 1.0 / std::sqrt(s[first]), 1.0 / std::sqrt(s[second]), 1.0,
+                       -s[last]);
+  }
+  const double sa = s[first], sb = s[second], su = s[last];
   const Height height = [=](double a, double b) {
     return std::sqrt((1.0 - sa * a * a - sb * b * b) / su);
   };
-  return {sheet_charts(r.origin, turned, {height, [=](double a, double b) { return -height(a, b); }}),
-          {}, ""};
+  return sheet_charts(origin, turned, {height, [=](double a, double b) { return -height(a, b); }});
+}
+
+// Σ sᵢ yᵢ² = 1 with `rank` non-zero s: ellipsoid, hyperboloids, cylinders, parallel planes.
+Charted central(const Reduced& r) {
+  const Vec3 s = -r.lambda / r.constant;
+  if (!(s.array() > 0.0).any()) return {{}, {}, "the quadric has no real point"};
+  Box box{};
+  if ((s.array() > 0.0).all()) {
+    const Vec3 reach = (r.axes * s.cwiseSqrt().cwiseInverse().asDiagonal()).rowwise().norm();
+    box = {r.origin - reach, r.origin + reach};
+  }
+  const ChartMaker charts = [s, origin = r.origin, axes = r.axes](const Extent& extent) {
+    // Seen from a region that ends well before it, a long axis is as good as endless: charts that
+    // went all the way around would leave the region a small share of the unit square.
+    const double reach = (extent.region.center() - origin).norm() + extent.region.diagonal();
+    std::array<bool, 3> positive, closes;
+    for (int i = 0; i < 3; ++i) {
+      positive[i] = s[i] > 0.0;
+      closes[i] = s[i] * reach * reach > kLongAxis;
+    }
+    const bool none = !closes[0] && !closes[1] && !closes[2];
+    return charts_around(none ? positive : closes, origin, axes, s)(extent);
+  };
+  return {charts, box, ""};
 }
 
 // Σ λᵢ yᵢ² = 0: a cone, two crossing planes, or less than a surface.
@@ -142,32 +201,74 @@ Charted classify(const Reduced& r) {
   return r.constant != 0.0 ? central(r) : homogeneous(r);
 }
 
+// Around the vertex one sheet over the plane across its slope, the smaller root of
+// α h² + 2β h + γ = 0; `far` where the region reaches beyond what that sheet covers.
+ChartMaker vertex_charts(const Point& origin, const Mat3& axes, const Vec3& lambda,
+                         const Vec3& linear, const ChartMaker& far) {
+  const double slope = linear.norm();
+  const Mat3 frame = axes_about((axes * (linear / slope)).normalized());
+  const Mat3 A = axes * lambda.asDiagonal() * axes.transpose(), M = frame.transpose() * A * frame;
+  const Height height = [M, slope](double a, double b) {
+    const double alpha = M(2, 2), beta = slope + M(0, 2) * a + M(1, 2) * b;
+    const double gamma = M(0, 0) * a * a + 2.0 * M(0, 1) * a * b + M(1, 1) * b * b;
+    return -gamma / (beta + std::sqrt(beta * beta - alpha * gamma));
+  };
+  const ChartMaker sheet = sheet_charts(origin, frame, {height});
+  const double flat = M.col(2).norm(), bend = M.norm();
+  return [=](const Extent& extent) {
+    const double reach = (extent.region.center() - origin).norm() + extent.region.diagonal();
+    // Keeps β > ¾ slope, the root real, and the other sheet out of reach.
+    if (4.0 * flat * reach < slope && 4.0 * flat * bend * reach * reach < slope * slope) {
+      return sheet(extent);
+    }
+    // Those charts know the surface to the rounding of the far centre: Newton's step from there.
+    std::vector<Chart> charts = far(extent);
+    for (Chart& chart : charts) {
+      chart.point = [=, rough = std::move(chart.point), b = Vec3(axes * linear)](double s, double t) {
+        const Vec3 y = rough(s, t) - origin, Ay = A * y, half_gradient = Ay + b;
+        const double g = y.dot(Ay + 2.0 * b);
+        return Point(origin + y - half_gradient * (0.5 * g / half_gradient.squaredNorm()));
+      };
+    }
+    return charts;
+  };
+}
+
 }  // namespace
 
 QuadricResult make_quadric(const std::array<double, 10>& c, const Pose& pose) {
   Mat3 Q;
   Q << c[0], c[3], c[4], c[3], c[1], c[5], c[4], c[5], c[2];
-  const Reduced r = reduce(Q, {c[6], c[7], c[8]}, c[9]);
-  const Charted charted = classify(r);
-  if (!charted.fault.empty()) return {nullptr, charted.fault};
-
-  // Scale g to a length: by the radius of curvature at the vertices, or by the slope.
-  double scale = 1.0 / r.lambda.cwiseAbs().maxCoeff();
-  if (r.linear != 0.0) {
-    scale = 0.5 / r.linear;
-  } else if (r.constant != 0.0) {
-    scale *= 0.5 * std::sqrt(r.lambda.cwiseAbs().maxCoeff() / std::abs(r.constant));
-  } else {
-    scale *= 0.5;
-  }
-  // The posed frame; charts were made for the unposed one, so make them again.
+  const Vec3 G(c[6], c[7], c[8]);
+  const Reduced r = reduce(Q, G, c[9]);
+  const std::optional<Vertex> vertex = vertex_of(r, G, c[9]);
   Reduced posed = r;
   posed.origin = pose.point(r.origin);
   posed.axes = pose.rotation * r.axes;
-  const Charted placed = classify(posed);
-  const QuadricForm form{posed.origin, posed.axes, 2.0 * scale * r.lambda, 2.0 * scale * r.linear,
-                         scale * r.constant};
-  return {make_quadric_surface(form, placed.charts, placed.box), ""};
+  Charted charted = classify(posed);
+  if (!charted.fault.empty()) return {nullptr, charted.fault};
+
+  // Scale g to a length: by the slope at the vertex, or by the radius of curvature at the ends of
+  // the steepest axis.
+  if (vertex) {
+    const double scale = 1.0 / vertex->linear.norm();
+    const Point origin = pose.point(vertex->origin);
+    const ChartMaker charts =
+        vertex_charts(origin, posed.axes, r.lambda, vertex->linear, charted.charts);
+    // The far centre knows the box to its own rounding only.
+    const double slack = 8.0 * kEpsilon * charted.box.diagonal();
+    if (charted.box.bounded()) {
+      charted.box = {charted.box.min.array() - slack, charted.box.max.array() + slack};
+    }
+    const QuadricForm form{origin, posed.axes, scale * r.lambda, scale * vertex->linear, 0.0};
+    return {make_quadric_surface(form, charts, charted.box), ""};
+  }
+  const double largest = r.lambda.cwiseAbs().maxCoeff();
+  const double scale = r.constant != 0.0 ? 0.5 / std::sqrt(largest * std::abs(r.constant))
+                                         : 0.5 / largest;
+  const QuadricForm form{posed.origin, posed.axes, 2.0 * scale * r.lambda,
+                         {0.0, 0.0, 2.0 * scale * r.linear}, scale * r.constant};
+  return {make_quadric_surface(form, charted.charts, charted.box), ""};
 }
 
 }  // namespace caustic::geometry

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <concepts>
 #include <utility>
 #include <vector>
 
@@ -84,27 +85,58 @@ struct Range {
   bool contains_zero() const { return lo <= 0.0 && hi >= 0.0; }
 };
 
-/// All roots of f in [t0, t1], appended in increasing order, from enclosures of f and f' over
-/// subintervals: F(a, b) and DF(a, b) return a Range; f(t), df(t) values. Subintervals narrower than
-/// 1e-13 of the whole that stay undecided hold a double root at most and are dropped.
-template <class F, class DF, class RangeF, class RangeDF>
-void isolated_roots(const F& f, const DF& df, const RangeF& range_f, const RangeDF& range_df,
-                    double t0, double t1, std::vector<double>& out) {
+/// A function with two derivatives, as values f(t), df(t), ddf(t) and as enclosures over intervals.
+template <class F>
+concept EnclosedFunction = requires(const F& h, double t) {
+  { h.f(t) } -> std::convertible_to<double>;
+  { h.df(t) } -> std::convertible_to<double>;
+  { h.ddf(t) } -> std::convertible_to<double>;
+  { h.range_f(t, t) } -> std::convertible_to<Range>;
+  { h.range_df(t, t) } -> std::convertible_to<Range>;
+  { h.range_ddf(t, t) } -> std::convertible_to<Range>;
+};
+
+/// All roots of h in [t0, t1], appended in increasing order. Subintervals are halved until h has no
+/// zero there, or is monotone, or has a derivative that is monotone: then it has two roots at most,
+/// on either side of where it is stationary. (Without the last rule the work about a nearly triple
+/// root, a ray that leaves along an asymptotic direction, grows with the inverse of its distance.)
+/// Subintervals narrower than 1e-13 of the whole that stay undecided hold a multiple root at most and
+/// are dropped; so is what is left after kMaxIntervals, when h is zero to rounding over a stretch.
+template <EnclosedFunction H>
+void isolated_roots(const H& h, double t0, double t1, std::vector<double>& out) {
+  constexpr int kMaxIntervals = 50000;
+  const auto f = [&](double t) { return h.f(t); };
+  const auto df = [&](double t) { return h.df(t); };
+  const auto ddf = [&](double t) { return h.ddf(t); };
+  // A root at b belongs to the next interval, unless there is none.
+  const auto monotone = [&](double a, double b) {
+    const double fa = f(a), fb = f(b);
+    if (fa == 0.0) {
+      out.push_back(a);
+    } else if (fb == 0.0) {
+      if (b == t1) out.push_back(b);
+    } else if ((fa > 0.0) != (fb > 0.0)) {
+      out.push_back(bracketed_root(f, df, a, b, fa));
+    }
+  };
   std::vector<std::pair<double, double>> stack{{t0, t1}};
   const double smallest = 1e-13 * (t1 - t0);
-  while (!stack.empty()) {
+  for (int seen = 0; !stack.empty() && seen < kMaxIntervals; ++seen) {
     const auto [a, b] = stack.back();
     stack.pop_back();
-    if (!range_f(a, b).contains_zero()) continue;
-    if (!range_df(a, b).contains_zero()) {
-      const double fa = f(a), fb = f(b);
-      // A root at b belongs to the next interval, unless there is none.
-      if (fa == 0.0) {
-        out.push_back(a);
-      } else if (fb == 0.0) {
-        if (b == t1) out.push_back(b);
-      } else if ((fa > 0.0) != (fb > 0.0)) {
-        out.push_back(bracketed_root(f, df, a, b, fa));
+    if (!h.range_f(a, b).contains_zero()) continue;
+    if (!h.range_df(a, b).contains_zero()) {
+      monotone(a, b);
+      continue;
+    }
+    if (!h.range_ddf(a, b).contains_zero()) {
+      const double da = df(a), db = df(b);
+      if (da == 0.0 || db == 0.0 || (da > 0.0) == (db > 0.0)) {
+        monotone(a, b);
+      } else {
+        const double turn = bracketed_root(df, ddf, a, b, da);
+        monotone(a, turn);
+        monotone(turn, b);
       }
       continue;
     }

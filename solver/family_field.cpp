@@ -44,8 +44,7 @@ void FamilyField::measure() {
   for (const Cell& cell : exploration.cells) {
     const double visible = 1.0 - cell.hidden;
     if (visible <= 0.0) continue;
-    double phi_sum = 0.0;
-    int lit = 0;
+    double flux_sum = 0.0, a_sum = 0.0;
     for (const Corner& corner : cell.polygon) {
       const FieldPoint& f = exploration.samples[corner.sample];
       ++all;
@@ -54,15 +53,20 @@ void FamilyField::measure() {
       const double phi = f.inverse_irradiance();
       phi_min = std::min(phi_min, phi);
       phi_max = std::max(phi_max, phi);
-      phi_sum += phi;
-      ++lit;
+      flux_sum += f.flux;
+      a_sum += std::abs(f.a);
     }
-    if (lit == 0) continue;
+    if (flux_sum <= 0.0) continue;
     flux += visible * flux_of(exploration, cell, domain, system_.light());
+    // E in the middle; of a cell cut by the domain the mean over its corners, which neither a corner
+    // on the silhouette (E = 0) nor one on the caustic (E = ∞) decides alone.
     const FieldPoint& center = exploration.samples[cell.center];
-    const double phi = domain.contains(center) ? center.inverse_irradiance() : phi_sum / lit;
+    if (domain.contains(center)) {
+      flux_sum = center.flux;
+      a_sum = std::abs(center.a);
+    }
     const double area = visible * image_area(exploration, cell);
-    if (phi != 0.0 && area > 0.0) samples.push_back({1.0 / std::abs(phi), area});
+    if (a_sum > 0.0 && area > 0.0) samples.push_back({flux_sum / a_sum, area});
   }
   degenerate = all > 0 && degenerate_samples >= kDegenerateSamples * all;
   const double size = std::max(std::abs(phi_min), std::abs(phi_max));

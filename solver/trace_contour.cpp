@@ -31,6 +31,8 @@ constexpr double kChordShare = 0.8;
 // A curve that cannot be followed further ends on a boundary that is nearer than this share of the
 // receiver's width.
 constexpr double kMeetingShare = 1e-6;
+// All levels meet on a silhouette only where a vanishes too: below this share of its scale.
+constexpr double kMeetingA = 1e-3;
 // A curve is closed when it comes back to its start within this share of the last piece: above the
 // corrector's error, far below the distance of another branch that a step could confuse it with.
 constexpr double kClosureShare = 1e-4;
@@ -204,7 +206,10 @@ Stop Tracer::stop_at_stall(const Node& last) const {
   const double near = kMeetingShare * evaluate_.map().receiver().width();
   int nearest = -1;
   double least = near;
+  const bool meet = level_.is_caustic() || std::abs(last.f.a) <= kMeetingA * last.f.scale_of_a();
   for (int i = 0; i < domain_.size(); ++i) {
+    // A low level runs along the silhouette without ending there.
+    if (domain_.ending(i) == Ending::silhouette && !meet) continue;
     const double h = std::abs(domain_.value(i, last.f));
     if (h < least) {
       least = h;
@@ -277,7 +282,15 @@ FieldPoint Tracer::end_between(int i, const Node& a, const Node& b) {
       domain_.value(i, b.f));
   const auto end = correct_at_end(evaluate_, level_, domain_, i, predictor_.at(s / step_),
                                   {options_.residual, geometry::kInfinity, length});
-  return end ? *end : inside.f;
+  if (end) return *end;
+  // As near as the corrector gets to the place where all levels meet.
+  double outside = b.s;
+  for (int k = 0; k < 50 && outside - inside.s > 1e-9 * step_; ++k) {
+    const double middle = 0.5 * (inside.s + outside), before = inside.s;
+    h(middle);
+    if (inside.s == before) outside = middle;
+  }
+  return inside.f;
 }
 
 // Takes the piece from a to b, unless the curve closes or ends on it.

@@ -26,6 +26,8 @@ constexpr double kResidualShare = 0.1;
 constexpr double kResidual = 1e-9;
 // A level this near to a critical value is moved off it.
 constexpr double kCriticalShare = 1e-9;
+// Open curves shorter than this share of the chord tolerance are left out.
+constexpr double kSpeckShare = 1e-2;
 // Shares of the seed's cell: first step, and how near to the curve the corrector brings the seed.
 constexpr double kFirstStepShare = 0.25;
 constexpr double kSeedPosition = 1e-9;
@@ -105,6 +107,17 @@ std::optional<FieldPoint> settle(const Seed& seed, Evaluator& evaluate, const Fa
   return f;
 }
 
+// Too short to be seen: what rounding leaves between two boundaries where all levels meet, or where
+// visibility flickers along a silhouette.
+bool speck(const Trace& trace, double chord) {
+  double length = 0.0;
+  for (std::size_t i = 1; i < trace.vertices.size(); ++i) {
+    length += (trace.vertices[i].uv - trace.vertices[i - 1].uv).norm();
+    if (length > kSpeckShare * chord) return false;
+  }
+  return !trace.closed;
+}
+
 void run(Task& task, Budget& budget, double chord, double residual) {
   Evaluator evaluate(task.field->map, budget);
   std::vector<Trace> whole;  // for telling visited seeds, before visibility cuts them
@@ -125,12 +138,12 @@ void run(Task& task, Budget& budget, double chord, double residual) {
     if (trace.vertices.size() < 2) continue;
     whole.push_back(trace);
     if (!task.field->visibility) {
-      task.traces.push_back(std::move(trace));
+      if (!speck(trace, chord)) task.traces.push_back(std::move(trace));
       continue;
     }
     for (Trace& piece : visible_pieces(std::move(trace), *task.field->visibility, evaluate,
                                        task.level, residual)) {
-      if (piece.vertices.size() > 1) task.traces.push_back(std::move(piece));
+      if (!speck(piece, chord)) task.traces.push_back(std::move(piece));
     }
   }
 }

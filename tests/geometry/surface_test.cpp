@@ -42,8 +42,7 @@ class EverySurface : public testing::TestWithParam<ShapeSpec> {
 };
 
 TEST_P(EverySurface, DerivativesFollowFromTheValue) {
-  for (const Point& on : points(100)) {
-    const Point x = on + random_.in_cube(0.05);
+  for (const Point& x : points(100)) {
     if (!regular(x, 0.2)) continue;
     const auto d = surface_->derivatives(x);
     Vec3 gradient;
@@ -63,15 +62,24 @@ TEST_P(EverySurface, DerivativesFollowFromTheValue) {
       const Vec3 e = Vec3::Unit(i);
       EXPECT_NEAR(derive([&](const Point& y) { return surface_->value(y); }, e), d.gradient[i],
                   1e-8 * size);
-      const Vec3 column =
-          derive([&](const Point& y) { return Vec3(surface_->derivatives(y).gradient); }, e);
+      const Vec3 column = derive([&](const Point& y) {
+        surface_->value_gradient(y, gradient);
+        return Vec3(gradient);
+      }, e);
       EXPECT_NEAR((column - d.hessian.col(i)).norm(), 0.0, 1e-8 * size);
     }
     const Vec3 u = random_.direction(), v = random_.direction();
-    const Vec3 third =
-        derive([&](const Point& y) { return Vec3(surface_->derivatives(y).hessian * v); }, u);
+    // ∂(∇g)/∂u∂v by second differences along u + v and u − v.
+    const auto second = [&](const Vec3& along) {
+      const auto at = [&](double steps) {
+        surface_->value_gradient(x + steps * h * along, gradient);
+        return Vec3(gradient);
+      };
+      return Vec3((16.0 * (at(1) + at(-1)) - at(2) - at(-2) - 30.0 * at(0)) / (12.0 * h * h));
+    };
+    const Vec3 third = 0.25 * (second(u + v) - second(u - v));
     const Vec3 given = surface_->third_derivative(x, u, v);
-    EXPECT_NEAR((third - given).norm(), 0.0, 1e-7 * (size + given.norm()));
+    EXPECT_NEAR((third - given).norm(), 0.0, 1e-6 * (size + given.norm()));
     EXPECT_TRUE(!surface_->at_most_quadratic() || given.norm() == 0.0);
   }
 }
@@ -106,11 +114,13 @@ TEST_P(EverySurface, ValueIsALengthWithTheContractsSign) {
 }
 
 TEST_P(EverySurface, ChartPointsLieOnTheSurface) {
+  // Ten rounded coefficients bend a cylinder by their own rounding times the distance squared.
+  const double roundings = spec().kind == Kind::quadric ? 256.0 : 32.0;
   for (const double half : {0.5, 3.0, 100.0}) {
     for (const Point& x : points(100, half)) {
       const auto r = test::reference_shape(spec(), x);
       if (!regular(x, 0.01)) continue;
-      EXPECT_LT(std::abs(r.distance), 32.0 * kEpsilon * (1.0 + x.norm())) << x.transpose();
+      EXPECT_LT(std::abs(r.distance), roundings * kEpsilon * (1.0 + x.norm())) << x.transpose();
     }
   }
 }

@@ -1,0 +1,288 @@
+#include "tests/support/contour_checks.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+namespace caustic::test {
+
+using namespace solver;
+using geometry::Point;
+using geometry::Vec2;
+using geometry::Vec3;
+
+bool in_sight(const OpticalSystem& system, const FieldPoint& f) {
+  const double size = system.diameter();
+  const auto free = [&](const Point& from, const Vec3& way, double end_margin) {
+    const double length = way.norm();
+    for (const SystemSurface& s : system.surfaces()) {
+      std::vector<double> roots;
+      s.shape->crossings({from, way}, 0.0, 1.0, roots);
+      for (const double t : roots) {
+        if (t * length < 1e-7 * size || (1.0 - t) * length < end_margin * size) continue;
+        if (geometry::exists_at(s.bounds, from + t * way)) return false;
+      }
+    }
+    return true;
+  };
+  const Vec3 out = system.receiver().point(f.q) - f.x;
+  if (const auto* point = std::get_if<PointLight>(&system.light())) {
+    if (!free(f.x, point->position - f.x, 1e-7)) return false;
+  } else {
+    // A beam comes from beyond everything.
+    if (!free(f.x, -4e3 * size * std::get<CollimatedLight>(system.light()).direction, 0.0)) {
+      return false;
+    }
+  }
+  return free(f.x, out, 1e-10);
+}
+
+namespace {
+
+// Which side of the mirror sees the light along a curve: ends may lie on the silhouette.
+int lit_side(const OpticalSystem& system, int surface, const Curve& c) {
+  const ForwardMap map(system, surface, 1);
+  double largest = 0.0;
+  for (const CurveVertex& v : c.vertices) {
+    const double cosine = map.evaluate(v.x).cos_alpha;
+    if (std::abs(cosine) > std::abs(largest)) largest = cosine;
+  }
+  return largest >= 0.0 ? 1 : -1;
+}
+
+// Next to a place where all levels meet, and E is undetermined: a and σ vanish together, or the ray
+// runs within the receiver's plane.
+bool all_levels_meet(const ForwardMap& map, const FieldPoint& f) {
+  return std::abs(f.a) < 1e-3 * f.scale_of_a() &&
+         (std::abs(f.cos_alpha) < 1e-5 || std::abs(f.facing) < 1e-4 * map.incident(f.x).norm());
+}
+
+// The height of an asphere and its derivatives cancel near its last radius.
+bool near_rim(const SystemSurface& mirror, const Point& x) {
+  for (const auto& b : mirror.bounds) {
+    if (b.origin == geometry::Bound::Origin::shape && !mirror.shape->at_most_quadratic() &&
+        b.value(x) > -1e-6 * b.radius) {
+      return true;
+    }
+  }
+  return false;
+}
+
+void expect_end(const OpticalSystem& system, const ForwardMap& map, const FieldPoint& f,
+                Ending ending, bool caustic, const std::string& what) {
+  const double size = system.diameter(), width = system.receiver().width();
+  const double slope = 1.0 + f.q_s.norm() + f.q_t.norm();
+  const bool meet = all_levels_meet(map, f);
+  const double slack = meet ? 1e-5 : near_rim(map.mirror(), f.x) ? 1e-7 : 1e-10;
+  switch (ending) {
+    case Ending::receiver_edge: {
+      const Vec2 gap = system.receiver().half - f.q.cwiseAbs();
+      EXPECT_LE(gap.cwiseAbs().minCoeff(), slack * width + 1e-13 * size * slope) << what;
+      break;
+    }
+    case Ending::aperture: {
+      double nearest = geometry::kInfinity;
+      for (const auto& b : map.mirror().bounds) {
+        nearest = std::min(nearest, std::abs(b.value(f.x)));
+      }
+      EXPECT_LE(nearest, slack * size) << what;
+      break;
+    }
+    case Ending::silhouette:
+      EXPECT_TRUE(caustic || meet) << what << ": isolux curves never end at a silhouette; a "
+                                   << f.a / f.scale_of_a();
+      EXPECT_NEAR(f.cos_alpha, 0.0, meet ? 1e-5 : 1e-9) << what;
+      break;
+    case Ending::shadow:
+    case Ending::occlusion: break;  // in sight on one side only
+    case Ending::limit:
+      EXPECT_TRUE(meet) << what << ": stalled at x " << f.x.transpose() << " q "
+                        << f.q.transpose() << " a " << f.a / f.scale_of_a() << " cos "
+                        << f.cos_alpha << " facing " << f.facing << " lambda " << f.lambda;
+      break;
+  }
+}
+
+}  // namespace
+
+void expect_sound(const OpticalSystem& system, const ContourResult& result, double tolerance,
+                  const std::string& what) {
+  const auto& receiver = system.receiver();
+  for (std::size_t i = 0; i < result.curves.size(); ++i) {
+    const Curve& c = result.curves[i];
+    const bool caustic = c.kind == CurveKind::caustic;
+    const std::string name = what + ", curve " + std::to_string(i) + " level " + std::to_string(c.level);
+    ASSERT_GE(c.vertices.size(), 2u) << name;
+    ASSERT_EQ(c.ends.size(), c.closed ? 0u : 2u) << name;
+    ASSERT_GE(c.family_id, 0);
+    const int surface = result.families[c.family_id].surfaces[0];
+    const SystemSurface& mirror = system.surfaces()[surface];
+    const int side = lit_side(system, surface, c);
+    const ForwardMap map(system, surface, side);
+    double length = 0.0, worst = 0.0;
+    int bad = 0;
+    for (std::size_t k = 0; k < c.vertices.size() && bad < 3; ++k) {
+      const CurveVertex& v = c.vertices[k];
+      const FieldPoint f = map.evaluate(v.x);
+      const bool failed = testing::Test::HasFailure();
+      const std::string at = name + " vertex " + std::to_string(k) + " of " + std::to_string(c.vertices.size());
+      ASSERT_TRUE(f.finite && v.uv.allFinite() && v.p.allFinite() && v.gradient.allFinite() &&
+                  std::isfinite(v.irradiance) && std::isfinite(v.residual)) << at;
+      const double slope = 1.0 + f.q_s.norm() + f.q_t.norm();
+      const double rounding = 64.0 * map.rounding(v.x) * slope;
+      EXPECT_LE((v.uv - f.q).norm(), rounding) << at;
+      EXPECT_LE((v.p - receiver.point(v.uv)).norm(), 1e-14 * system.diameter()) << at;
+      const double edge = (v.uv.cwiseAbs() - receiver.half).maxCoeff();
+      EXPECT_LE(edge, 1e-9 * receiver.width() + rounding) << at;
+      const double off = (map.project(v.x) - v.x).norm();
+      EXPECT_LE(off, (near_rim(mirror, v.x) ? 128.0 : 16.0) * map.rounding(v.x)) << at;
+      EXPECT_TRUE(geometry::exists_at(mirror.bounds, v.x, 1e-9 * system.diameter())) << at;
+      EXPECT_GT(f.cos_alpha, -1e-9) << at;
+      const bool at_end = !c.closed && (k == 0 || k + 1 == c.vertices.size());
+      const double behind = all_levels_meet(map, f) ? 1e-6 : 1e-11 * slope;
+      EXPECT_TRUE(at_end ? f.lambda >= -behind : f.arrives()) << at << " lambda " << f.lambda;
+      // What the rounding of x allows, (S14).
+      if (caustic) {
+        EXPECT_EQ(v.irradiance, -1.0);
+        EXPECT_EQ(v.gradient.norm(), 0.0);
+        const double allowed = 64.0 * (map.rounding(v.x) * f.grad_a.norm() / f.scale_of_a() +
+                                       geometry::kEpsilon * slope);
+        EXPECT_LE(std::abs(f.a) / f.scale_of_a(), tolerance + allowed) << at;
+      } else {
+        const Vec3 grad = f.grad_a - (f.a / f.flux) * f.grad_flux;
+        double allowed = 64.0 * map.rounding(v.x) * grad.norm() / std::abs(f.a);
+        // Cancellation in a, which steep maps (cones at their apex) make worse.
+        allowed += 64.0 * geometry::kEpsilon * slope * f.scale_of_a() / std::abs(f.a);
+        if (near_rim(mirror, v.x)) allowed += 1e-6;
+        EXPECT_LE(std::abs(f.irradiance() / c.level - 1.0), tolerance + allowed) << at;
+        EXPECT_EQ(f.a > 0.0, c.parity > 0) << at;
+        EXPECT_NEAR(v.residual, std::abs(v.irradiance / c.level - 1.0), 1e-15) << at;
+      }
+      worst = std::max(worst, v.residual);
+      if (k > 0) length += (v.p - c.vertices[k - 1].p).norm();
+      EXPECT_NEAR(v.arc_length, length, 1e-12 * (system.diameter() + length)) << at;
+      EXPECT_TRUE(at_end || in_sight(system, f)) << at << ": hidden, x " << v.x.transpose();
+      if (at_end) expect_end(system, map, f, c.ends[k == 0 ? 0 : 1], caustic, at);
+      bad += testing::Test::HasFailure() && !failed;
+    }
+    if (bad >= 3) continue;
+    if (c.closed) length += (c.vertices.back().p - c.vertices.front().p).norm();
+    EXPECT_NEAR(c.length, length, 1e-12 * (system.diameter() + length)) << name;
+    EXPECT_EQ(c.max_residual, worst) << name;
+  }
+}
+
+double largest_chord_error(const OpticalSystem& system, const Curve& c, int samples) {
+  const std::size_t n = c.vertices.size();
+  const ForwardMap map(system, 0, lit_side(system, 0, c));
+  double worst = 0.0;
+  for (std::size_t i = 0; i + (c.closed ? 0 : 1) < n; ++i) {
+    const CurveVertex &a = c.vertices[i], &b = c.vertices[(i + 1) % n];
+    const double k = c.kind == CurveKind::caustic ? 0.0 : c.parity / c.level;
+    const Vec2 chord = b.uv - a.uv;
+    const double length2 = chord.squaredNorm();
+    for (int j = 1; j <= samples; ++j) {
+      const double w = j / (samples + 1.0);
+      Point x = map.project(a.x + w * (b.x - a.x));
+      const Point start = x;
+      FieldPoint f = map.evaluate(x);
+      for (int step = 0; step < 12; ++step) {
+        const Vec3 slope = f.grad_a - k * f.grad_flux;
+        x = map.project(x - ((f.a - k * f.flux) / slope.squaredNorm()) * slope);
+        f = map.evaluate(x);
+      }
+      // Newton's method may have gone to another branch; not this test's matter.
+      if (!f.finite || (x - start).norm() > (b.x - a.x).norm()) continue;
+      const Vec2 off = f.q - a.uv;
+      const double along = length2 > 0.0 ? std::clamp(off.dot(chord) / length2, 0.0, 1.0) : 0.0;
+      worst = std::max(worst, (off - along * chord).norm());
+    }
+  }
+  return worst;
+}
+
+GridCount count_on_grid(const OpticalSystem& system, int surface, int side, double level,
+                        int parity, int n) {
+  const ForwardMap map(system, surface, side);
+  const auto& mirror = map.mirror();
+  const auto& receiver = system.receiver();
+  const auto charts = map.shape().charts({mirror.region, system.center(), system.diameter()});
+  GridCount count;
+  for (const auto& chart : charts) {
+    struct Node {
+      double f;
+      bool inside;
+      Vec2 q;
+      double facing;
+    };
+    std::vector<Node> nodes((n + 1) * (n + 1));
+    for (int i = 0; i <= n; ++i) {
+      for (int j = 0; j <= n; ++j) {
+        const FieldPoint f = map.evaluate(chart.point(double(i) / n, double(j) / n));
+        Node& node = nodes[i * (n + 1) + j];
+        node.q = f.q;
+        node.facing = f.facing;
+        node.inside = f.arrives() && f.lit() && receiver.contains(f.q) &&
+                      geometry::exists_at(mirror.bounds, f.x) && in_sight(system, f);
+        node.f = f.a - parity / level * f.flux;
+      }
+    }
+    // Edges of the grid that the level crosses inside the domain, joined within each triangle.
+    const auto crossed = [&](int a, int b) {
+      return nodes[a].inside && nodes[b].inside && (nodes[a].f > 0.0) != (nodes[b].f > 0.0) &&
+             nodes[a].facing * nodes[b].facing > 0.0;
+    };
+    const auto edge_id = [&](int a, int b) {
+      return static_cast<long>(std::min(a, b)) * (n + 1) * (n + 1) + std::max(a, b);
+    };
+    std::vector<long> ids;
+    std::vector<std::pair<long, long>> joins;
+    std::vector<Vec2> where;
+    const auto triangle = [&](int a, int b, int c) {
+      std::vector<long> here;
+      for (const auto& [p, q] : {std::pair{a, b}, std::pair{b, c}, std::pair{c, a}}) {
+        if (!crossed(p, q)) continue;
+        here.push_back(edge_id(p, q));
+        ids.push_back(edge_id(p, q));
+        where.push_back(nodes[p].q);
+      }
+      if (here.size() == 2) joins.push_back({here[0], here[1]});
+    };
+    for (int i = 0; i < n; ++i) {
+      for (int j = 0; j < n; ++j) {
+        const int a = i * (n + 1) + j, b = a + 1, c = a + n + 1, d = c + 1;
+        triangle(a, b, d);
+        triangle(a, d, c);
+      }
+    }
+    std::vector<std::pair<long, Vec2>> unique;
+    for (std::size_t i = 0; i < ids.size(); ++i) unique.push_back({ids[i], where[i]});
+    std::sort(unique.begin(), unique.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    unique.erase(std::unique(unique.begin(), unique.end(),
+                             [](const auto& a, const auto& b) { return a.first == b.first; }),
+                 unique.end());
+    const auto index = [&](long id) {
+      return static_cast<int>(std::lower_bound(unique.begin(), unique.end(), id,
+                                               [](const auto& u, long v) { return u.first < v; }) -
+                              unique.begin());
+    };
+    std::vector<int> parent(unique.size());
+    std::iota(parent.begin(), parent.end(), 0);
+    const auto root = [&](int i) {
+      while (parent[i] != i) i = parent[i] = parent[parent[i]];
+      return i;
+    };
+    for (const auto& [a, b] : joins) parent[root(index(a))] = root(index(b));
+    for (int i = 0; i < static_cast<int>(unique.size()); ++i) {
+      if (root(i) != i) continue;
+      ++count.components;
+      count.places.push_back(unique[i].second);
+    }
+  }
+  return count;
+}
+
+}  // namespace caustic::test
