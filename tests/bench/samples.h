@@ -1,4 +1,5 @@
-// Times of one run of a benchmark. On a machine that others use the minimum is the one that repeats.
+// Times of one run of a benchmark. On a machine that others use the minimum is the one that
+// repeats.
 #pragma once
 
 #include <benchmark/benchmark.h>

@@ -20,7 +20,8 @@ inline SceneRequest example_scene(std::string_view name) {
   return {std::move(call.system), std::move(call.request)};
 }
 
-/// A convex mirror, semi-axes 1, 1.4 and 0.8 m, under a lamp, and a ceiling of 6 m × 6 m; ten levels.
+/// A convex mirror, semi-axes 1, 1.4 and 0.8 m, under a lamp, and a ceiling of 6 m × 6 m; ten
+/// levels.
 inline SceneRequest convex_ellipsoid() {
   using namespace geometry;
   SceneRequest scene{
