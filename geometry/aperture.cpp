@@ -25,6 +25,11 @@ Vec3 Bound::gradient(const Point& x) const {
   return radial(*this, x) / radius;
 }
 
+double Bound::distance(const Point& x) const {
+  if (kind == Kind::half_space) return axis.dot(x - point);
+  return radial(*this, x).norm() - radius;
+}
+
 double Bound::lower_bound_within(double value, double r) const {
   if (kind == Kind::half_space) return value - r;
   const double distance = std::sqrt(std::max(0.0, radius * (2.0 * value + radius)));

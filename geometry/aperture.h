@@ -27,6 +27,8 @@ struct Bound {
 
   double value(const Point& x) const;
   Vec3 gradient(const Point& x) const;
+  /// Signed distance from the zero set, m.
+  double distance(const Point& x) const;
   /// Smallest value that the function can have within `r` of a point where it is `value`.
   double lower_bound_within(double value, double r) const;
 };

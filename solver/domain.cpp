@@ -32,6 +32,19 @@ Vec3 Domain::gradient(int i, const FieldPoint& f) const {
   }
 }
 
+double Domain::slope(int i, const FieldPoint& f, const Vec3& t, const Vec2& dq) const {
+  if (i < bound_count()) return bounds_[i].gradient(f.x).dot(t);
+  const auto& receiver = map_.receiver();
+  switch (i - bound_count()) {
+    case 0: return -f.grad_cos.dot(t) * receiver.width();
+    case 1: return std::copysign(1.0, f.facing) * receiver.m.dot(t);
+    case 2: return -dq.x();
+    case 3: return dq.x();
+    case 4: return -dq.y();
+    default: return dq.y();
+  }
+}
+
 Ending Domain::ending(int i) const {
   if (i < bound_count()) return Ending::aperture;
   switch (i - bound_count()) {

@@ -19,6 +19,8 @@ class Domain {
   double value(int i, const FieldPoint& f) const;
   /// ∇h; its part along the surface is what counts.
   Vec3 gradient(int i, const FieldPoint& f) const;
+  /// ∇h·t for a direction t in the surface, with dq = M t.
+  double slope(int i, const FieldPoint& f, const Vec3& t, const Vec2& dq) const;
   Ending ending(int i) const;
   /// True for the ball in which unbounded surfaces exist.
   bool is_clip(int i) const {

@@ -24,7 +24,11 @@ FamilyField::FamilyField(const OpticalSystem& system, const PlannedPiece& planne
 void FamilyField::explore(Budget& budget) {
   Evaluator evaluate(map, budget);
   Hidden hidden;
-  if (visibility) hidden = [this](const FieldPoint& f) { return visibility->hidden(map, f); };
+  if (visibility) {
+    hidden = [this](const FieldPoint& f) {
+      return visibility->hidden(piece.surface, f.x, map.receiver().point(f.q));
+    };
+  }
   exploration = solver::explore(evaluate, domain, system_, hidden);
   measure();
   if (!degenerate && !uniform && !empty()) {

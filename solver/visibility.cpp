@@ -19,10 +19,19 @@ constexpr double kReceiverEndShare = 1e-12;
 constexpr double kOwnShare = 1e-7;
 constexpr double kOwnRoundings = 1e3;
 
+// Distance from the aperture's edge, < 0 inside.
 double margin_of(const std::vector<geometry::Bound>& bounds, const Point& x) {
   double worst = -geometry::kInfinity;
-  for (const auto& bound : bounds) worst = std::max(worst, bound.value(x));
+  for (const auto& bound : bounds) worst = std::max(worst, bound.distance(x));
   return worst;
+}
+
+// Least distance at which a function of this size may vanish that changes as g does, to second
+// order: |g| <= |∇g| δ + ½ |H| δ² solved for δ. A first-order distance is too large inside of
+// curved surfaces.
+double distance_from(double g, const geometry::SurfaceDerivatives& d) {
+  const double slope = d.gradient.norm();
+  return 2.0 * g / (slope + std::sqrt(slope * slope + 2.0 * g * d.hessian.norm()));
 }
 
 }  // namespace
@@ -31,33 +40,34 @@ Visibility::Visibility(const OpticalSystem& system, const geometry::EmbreeScene*
                        double margin)
     : system_(system), candidates_(candidates), margin_(margin) {}
 
-Visibility::Sight Visibility::look(const ForwardMap& map, const FieldPoint& f) const {
-  Segment to_light{{f.x, Vec3::Zero()}, 1.0 - kLightEndShare, false, map.surface_index()};
+Visibility::Sight Visibility::look(int surface, const Point& x, const Point& p) const {
+  Segment to_light{{x, Vec3::Zero()}, 1.0 - kLightEndShare, false, surface};
   if (const auto* point = std::get_if<PointLight>(&system_.light())) {
-    to_light.ray.direction = point->position - f.x;
+    to_light.ray.direction = point->position - x;
   } else {
     // Far enough to have passed every surface.
     double reach = 0.0;
     for (const auto& s : system_.surfaces()) {
-      reach = std::max(reach, (s.region.center() - f.x).norm() + s.region.diagonal());
+      reach = std::max(reach, (s.region.center() - x).norm() + s.region.diagonal());
     }
     to_light.ray.direction = -reach * std::get<CollimatedLight>(system_.light()).direction;
   }
-  const Segment to_receiver{{f.x, map.receiver().point(f.q) - f.x}, 1.0 - kReceiverEndShare, true,
-                            map.surface_index()};
+  const Segment to_receiver{{x, p - x}, 1.0 - kReceiverEndShare, true, surface};
   const double lit = clearance(to_light);
   const double seen = clearance(to_receiver);
   if (lit < 0.0) return {lit, Ending::shadow};
-  return {seen < 0.0 ? seen : std::min(lit, seen), seen < 0.0 || seen < lit ? Ending::occlusion
-                                                                            : Ending::shadow};
+  return {seen < 0.0 ? seen : std::min(lit, seen),
+          seen < 0.0 || seen < lit ? Ending::occlusion : Ending::shadow};
 }
 
 double Visibility::clearance(const Segment& segment) const {
   double free = geometry::kInfinity, depth = 0.0;
   const auto ask = [&](int surface) {
     const double c = clearance(segment, surface);
-    if (c < 0.0) depth = std::max(depth, -c);
-    else free = std::min(free, c);
+    if (c < 0.0)
+      depth = std::max(depth, -c);
+    else
+      free = std::min(free, c);
   };
   if (candidates_) {
     thread_local std::vector<int> found;
@@ -81,46 +91,70 @@ double Visibility::clearance(const Segment& segment, int index) const {
   still.clear();
   const double length = ray.direction.norm();
   const double near = kOwnShare + kOwnRoundings * geometry::kEpsilon *
-                                      (ray.origin.cwiseAbs().maxCoeff() + system_.diameter()) / length;
+                                      (ray.origin.cwiseAbs().maxCoeff() + system_.diameter()) /
+                                      length;
   shape->crossings(ray, own ? -near : 0.0, 1.0, roots);
   if (own && !roots.empty()) {
     // The one crossing where the segment begins is not in its way.
-    const auto first = std::min_element(roots.begin(), roots.end(), [](double a, double b) {
-      return std::abs(a) < std::abs(b);
-    });
+    const auto first = std::min_element(
+        roots.begin(), roots.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
     if (std::abs(*first) <= near) roots.erase(first);
   }
   shape->stationary(ray, 0.0, 1.0, still);
 
-  double free = geometry::kInfinity, depth = 0.0, deepest = geometry::kInfinity;
-  if (!still.empty()) deepest = 0.0;
-  for (const double t : still) {
+  // A place on the segment: how far the surface is, and how far the aperture's edge.
+  struct Place {
+    geometry::SurfaceDerivatives d;
+    double distance, margin;
+  };
+  const auto place = [&](double t) {
     const Point y = ray.at(t);
     const auto d = shape->derivatives(y);
-    const double distance = std::abs(d.g) / d.gradient.norm();
-    deepest = std::max(deepest, distance);
+    return Place{d, distance_from(std::abs(d.g), d), std::max(margin_of(bounds, y), -length)};
+  };
+  // Motion sideways until a crossing or a touch has moved to the edge. At grazing incidence that is
+  // less than the way: as much as g changes on it, which is at least `rise`.
+  const Vec3 along = ray.direction / length;
+  const auto to_edge = [&](const Place& at, double rise) {
+    return std::min(std::abs(at.margin), distance_from(std::abs(at.d.g) + rise, at.d));
+  };
+  // Half the slope is left in the middle between a crossing and where the segment would touch.
+  const auto slope_rise = [&](const Place& at) {
+    return 0.5 * std::abs(at.margin * at.d.gradient.dot(along));
+  };
+  double free = geometry::kInfinity, depth = 0.0;
+  const auto meet = [&](const Place& at, double rise) {
+    free = std::min(free, at.margin > 0.0 ? std::max(at.distance, to_edge(at, rise)) : at.distance);
+  };
+
+  const Place end = place(1.0);
+  double ends = end.distance;
+  if (segment.end_moves) meet(end, slope_rise(end));
+  if (!own) {
+    const Place origin = place(0.0);
+    ends = std::min(ends, origin.distance);
+    meet(origin, slope_rise(origin));
+  }
+  for (const double t : still) {
+    const Place at = place(t);
+    const double bend = along.dot(at.d.hessian * along);
     // Only where |g| has a minimum does the segment come near without crossing.
-    if (d.g * ray.direction.dot(d.hessian * ray.direction) > 0.0) {
-      free = std::min(free, std::max(distance, margin_of(bounds, y)));
-    }
+    if (at.d.g * bend > 0.0) meet(at, 0.5 * at.margin * at.margin * std::abs(bend));
   }
   for (const double t : roots) {
     if (t <= 0.0) continue;
-    const double margin = margin_of(bounds, ray.at(t));
-    if (margin > 0.0) {
-      free = std::min(free, margin);
+    const Place at = place(t);
+    if (at.margin > 0.0) {
+      free = std::min(free, to_edge(at, slope_rise(at)));
     } else if (t < segment.end) {
-      const double out = std::min({-margin, deepest, (1.0 - t) * length});
+      // Free again once the crossing leaves the aperture, meets a neighbour or passes an end.
+      double out = std::min(ends, to_edge(at, slope_rise(at)));
+      const auto next = std::lower_bound(still.begin(), still.end(), t);
+      if (next != still.end()) out = std::min(out, place(*next).distance);
+      if (next != still.begin()) out = std::min(out, place(*std::prev(next)).distance);
       depth = std::max(depth, std::max(out, 1e-300));
     }
   }
-  const auto near_end = [&](const Point& y) {
-    Vec3 gradient;
-    const double g = shape->value_gradient(y, gradient);
-    free = std::min(free, std::max(std::abs(g) / gradient.norm(), margin_of(bounds, y)));
-  };
-  if (segment.end_moves) near_end(ray.at(1.0));
-  if (!own) near_end(ray.origin);
   return depth > 0.0 ? -depth : free;
 }
 

@@ -8,7 +8,7 @@
 
 #include "geometry/embree_scene.h"
 #include "solver/contours.h"
-#include "solver/forward_map.h"
+#include "solver/optical_system.h"
 
 namespace caustic::solver {
 
@@ -27,9 +27,10 @@ class Visibility {
     double clearance;
     Ending ending;
   };
-  Sight look(const ForwardMap& map, const FieldPoint& f) const;
-  bool hidden(const ForwardMap& map, const FieldPoint& f) const {
-    return look(map, f).clearance < 0.0;
+  /// At x on the mirror `surface`, with p on the receiver.
+  Sight look(int surface, const Point& x, const Point& p) const;
+  bool hidden(int surface, const Point& x, const Point& p) const {
+    return look(surface, x, p).clearance < 0.0;
   }
 
  private:

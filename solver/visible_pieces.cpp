@@ -18,14 +18,26 @@ constexpr int kMaxScanDepth = 6;
 constexpr int kMinScanDepth = 2;
 
 struct Sighted {
-  FieldPoint f;
+  Point x, p;
   Visibility::Sight sight;
   bool hidden() const { return sight.clearance < 0.0; }
+  double room() const { return std::abs(sight.clearance); }
 };
+
+// How far the segments to the light and to the receiver move at most between two points.
+double motion(const Point& x0, const Point& p0, const Point& x1, const Point& p1) {
+  return std::max((x1 - x0).norm(), (p1 - p0).norm());
+}
+
+// Is all between them as they are?
+bool settled(const Sighted& a, const Sighted& b) {
+  return a.hidden() == b.hidden() &&
+         a.room() + b.room() > kClearanceFactor * motion(a.x, a.p, b.x, b.p);
+}
 
 // A change of visibility between two vertices: the last point of the visible side.
 struct Change {
-  FieldPoint at;
+  Point x;
   Ending ending;
   bool to_hidden;
 };
@@ -36,16 +48,19 @@ class Cutter {
          double residual)
       : visibility_(visibility), evaluate_(evaluate), level_(level), residual_(residual) {}
 
-  Sighted sighted(const Point& x) {
-    const FieldPoint f = evaluate_(x);
-    return {f, visibility_.look(evaluate_.map(), f)};
+  Sighted look(const Point& x, const Point& p) const {
+    return {x, p, visibility_.look(evaluate_.map().surface_index(), x, p)};
+  }
+  // What is known at `a` holds at the next vertex too, if that is near enough.
+  std::optional<Sighted> carry(const Sighted& a, const Point& x, const Point& p) const {
+    const double left = a.room() - kClearanceFactor * motion(a.x, a.p, x, p);
+    if (left <= 0.0) return std::nullopt;
+    return Sighted{x, p, {std::copysign(left, a.sight.clearance), a.sight.ending}};
   }
 
   void scan(const Sighted& a, const Sighted& b, int depth, std::vector<Change>& out) {
-    const double moved = std::max((b.f.x - a.f.x).norm(), (b.f.q - a.f.q).norm());
-    const double room = std::abs(a.sight.clearance) + std::abs(b.sight.clearance);
+    if (settled(a, b)) return;
     const bool alike = a.hidden() == b.hidden();
-    if (alike && room > kClearanceFactor * moved) return;
     if (depth >= (alike ? kMaxScanDepth : kMinScanDepth)) {
       if (!alike) out.push_back(locate(a, b));
       return;
@@ -61,24 +76,24 @@ class Cutter {
 
  private:
   std::optional<Sighted> between(const Sighted& a, const Sighted& b) {
-    const Point middle = 0.5 * (a.f.x + b.f.x);
-    const auto f = correct(evaluate_, level_, middle, {residual_, geometry::kInfinity, (b.f.x - a.f.x).norm()});
+    const auto f = correct(evaluate_, level_, 0.5 * (a.x + b.x),
+                           {residual_, geometry::kInfinity, (b.x - a.x).norm()});
     if (!f) return std::nullopt;
-    return Sighted{*f, visibility_.look(evaluate_.map(), *f)};
+    return look(f->x, evaluate_.map().receiver().point(f->q));
   }
 
   // Bisection on the exact answer, down to rounding of x.
   Change locate(Sighted a, Sighted b) {
     const bool to_hidden = b.hidden();
-    const double rounding = evaluate_.map().rounding(a.f.x);
-    for (int i = 0; i < 100 && (b.f.x - a.f.x).norm() > 2.0 * rounding; ++i) {
+    const double rounding = evaluate_.map().rounding(a.x);
+    for (int i = 0; i < 100 && (b.x - a.x).norm() > 2.0 * rounding; ++i) {
       const auto middle = between(a, b);
       if (!middle) break;
       (middle->hidden() == a.hidden() ? a : b) = *middle;
     }
     const Sighted& visible = to_hidden ? a : b;
     const Sighted& hidden = to_hidden ? b : a;
-    return {visible.f, hidden.sight.ending, to_hidden};
+    return {visible.x, hidden.sight.ending, to_hidden};
   }
 
   const Visibility& visibility_;
@@ -105,7 +120,7 @@ std::vector<Trace> visible_pieces(Trace trace, const Visibility& visibility, Eva
   };
   std::size_t changes_seen = 0;
   const std::size_t n = trace.vertices.size(), segments = trace.closed ? n : n - 1;
-  const Sighted first = cutter.sighted(trace.vertices[0].x);
+  const Sighted first = cutter.look(trace.vertices[0].x, trace.vertices[0].p);
   bool open = !first.hidden();
   if (open) {
     open_piece(trace.closed ? Ending::limit : trace.ends[0]);
@@ -113,6 +128,7 @@ std::vector<Trace> visible_pieces(Trace trace, const Visibility& visibility, Eva
     pieces.back().vertices.push_back(trace.vertices[0]);
   }
   Sighted a = first;
+  bool asked = true;  // or `a` carries on what was known before
   std::vector<Change> changes;
   for (std::size_t i = 0; i < segments; ++i) {
     if (evaluate.budget().out_of_time()) {
@@ -120,19 +136,26 @@ std::vector<Trace> visible_pieces(Trace trace, const Visibility& visibility, Eva
       return pieces;
     }
     const std::size_t next = (i + 1) % n;
-    const Sighted b = next == 0 ? first : cutter.sighted(trace.vertices[next].x);
+    const CurveVertex& vertex = trace.vertices[next];
     changes.clear();
-    cutter.scan(a, b, 0, changes);
+    auto b = cutter.carry(a, vertex.x, vertex.p);
+    const bool carried = b.has_value();
+    if (!carried) {
+      b = next == 0 ? first : cutter.look(vertex.x, vertex.p);
+      if (!asked && !settled(a, *b)) a = cutter.look(a.x, a.p);
+      cutter.scan(a, *b, 0, changes);
+    }
     for (const Change& change : changes) {
       ++changes_seen;
       if (change.to_hidden == !open) continue;
       if (!change.to_hidden) open_piece(change.ending);
-      pieces.back().vertices.push_back(make_vertex(evaluate.map(), level, change.at));
+      pieces.back().vertices.push_back(make_vertex(evaluate.map(), level, evaluate(change.x)));
       if (change.to_hidden) pieces.back().ends.push_back(change.ending);
       open = !change.to_hidden;
     }
-    if (open && next != 0) pieces.back().vertices.push_back(trace.vertices[next]);
-    a = b;
+    if (open && next != 0) pieces.back().vertices.push_back(vertex);
+    a = *b;
+    asked = !carried;
   }
   if (changes_seen == 0) {
     if (open) return {std::move(trace)};

@@ -1,0 +1,37 @@
+// Scenes that several benchmarks share.
+#pragma once
+
+#include <string_view>
+
+#include "service/api/contour_json.h"
+#include "service/examples/examples.h"
+#include "solver/contours.h"
+
+namespace caustic::bench {
+
+struct SceneRequest {
+  solver::OpticalSystem system;
+  solver::ContourRequest request;
+};
+
+/// One of service/examples/, as the service would ask the solver.
+inline SceneRequest example_scene(std::string_view name) {
+  service::ContourCall call = service::read_contour_call(service::find_example(name)->body);
+  return {std::move(call.system), std::move(call.request)};
+}
+
+/// A convex mirror, semi-axes 1, 1.4 and 0.8 m, under a lamp, and a ceiling of 6 m × 6 m; ten
+/// levels.
+inline SceneRequest convex_ellipsoid() {
+  using namespace geometry;
+  SceneRequest scene{
+      solver::OpticalSystem::build(
+          solver::PointLight{{1.0, 0.5, 3.0}, 1.0},
+          {{"egg", make_ellipsoid(Point::Zero(), {1.0, 1.4, 0.8}, Mat3::Identity()), {}, {}}},
+          ReceiverFrame::make({0, 0, 4}, {1, 0, 0}, {0, 1, 0}, {6, 6})),
+      {}};
+  scene.request.levels.count = 10;
+  return scene;
+}
+
+}  // namespace caustic::bench
