@@ -12,8 +12,8 @@
 
 namespace caustic::solver {
 
-/// Many surfaces or few: below this number asking each is faster than Embree (solver/README.md).
-constexpr int kEmbreeSurfaces = 24;
+/// Many surfaces or few: below this number asking each is faster than Embree (tests/bench).
+constexpr int kEmbreeSurfaces = 8;
 
 class Visibility {
  public:
