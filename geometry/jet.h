@@ -1,25 +1,32 @@
 // Second-order jets in two directions: a value with its derivatives along s and t, up to second
-// order. Arithmetic on them is differentiation in closed form; six numbers a scalar.
+// order. Arithmetic on them is differentiation in closed form; six numbers a scalar, or six of
+// whatever scales and adds like one, such as a pair of coordinates.
 #pragma once
 
 #include <cmath>
 
 namespace caustic::geometry {
 
-struct Jet {
-  double v, s, t, ss, st, tt;
+template <class T>
+struct JetOf {
+  T v, s, t, ss, st, tt;
 };
+using Jet = JetOf<double>;
 
-inline Jet operator+(const Jet& a, const Jet& b) {
+template <class T>
+inline JetOf<T> operator+(const JetOf<T>& a, const JetOf<T>& b) {
   return {a.v + b.v, a.s + b.s, a.t + b.t, a.ss + b.ss, a.st + b.st, a.tt + b.tt};
 }
-inline Jet operator-(const Jet& a, const Jet& b) {
+template <class T>
+inline JetOf<T> operator-(const JetOf<T>& a, const JetOf<T>& b) {
   return {a.v - b.v, a.s - b.s, a.t - b.t, a.ss - b.ss, a.st - b.st, a.tt - b.tt};
 }
-inline Jet operator*(double k, const Jet& a) {
+template <class T>
+inline JetOf<T> operator*(double k, const JetOf<T>& a) {
   return {k * a.v, k * a.s, k * a.t, k * a.ss, k * a.st, k * a.tt};
 }
-inline Jet operator*(const Jet& a, const Jet& b) {
+template <class T>
+inline JetOf<T> operator*(const Jet& a, const JetOf<T>& b) {
   return {a.v * b.v,
           a.v * b.s + a.s * b.v,
           a.v * b.t + a.t * b.v,

@@ -7,7 +7,9 @@
 namespace caustic::solver {
 
 using geometry::Jet;
+using geometry::JetOf;
 using geometry::Mat3;
+using Array2 = Eigen::Array2d;
 
 ForwardMap::ForwardMap(const OpticalSystem& system, int surface, int side)
     : mirror_(&system.surfaces()[surface]),
@@ -29,7 +31,9 @@ ForwardMap::ForwardMap(const OpticalSystem& system, int surface, int side)
   to_receiver_ << receiver_->u.transpose(), receiver_->v.transpose(), receiver_->m.transpose();
 }
 
-Vec3 ForwardMap::incident(const Point& x) const { return point_source_ ? Vec3(x - source_) : source_; }
+Vec3 ForwardMap::incident(const Point& x) const {
+  return point_source_ ? Vec3(x - source_) : source_;
+}
 
 Vec3 ForwardMap::reflected(const Point& x) const {
   Vec3 N;
@@ -88,81 +92,95 @@ FieldPoint ForwardMap::evaluate(const Point& x) const {
   f.e2 = frame.e2;
 
   // Receiver axes from here on. The surface and its gradient as jets (S1), (S2); for quadrics the
-  // second derivatives of N are multiples of Hĝ/|∇g|.
+  // second derivatives of N are multiples of Hĝ/|∇g|, others add the third derivative.
   const Mat3& R = to_receiver_;
   const Vec3 N = R * G, N_s = R * (g.hessian * f.e1), N_t = R * (g.hessian * f.e2);
   const Vec3 e1 = R * f.e1, e2 = R * f.e2, bend = N * (-1.0 / NN0);  // x_ij = h_ij · bend
   const Vec3 Hg = R * (g.hessian * G);
   const double h11 = e1.dot(N_s), h12 = e1.dot(N_t), h22 = e2.dot(N_t);
-  Vec3 N_ss = (-h11 / NN0) * Hg, N_st = (-h12 / NN0) * Hg, N_tt = (-h22 / NN0) * Hg;
-  if (!quadratic_) {
-    N_ss += R * shape().third_derivative(x, f.e1, f.e1);
-    N_st += R * shape().third_derivative(x, f.e1, f.e2);
-    N_tt += R * shape().third_derivative(x, f.e2, f.e2);
-  }
+  const double k11 = -h11 / NN0, k12 = -h12 / NN0, k22 = -h22 / NN0;
+  Vec3 N_ss = k11 * Hg, N_st = k12 * Hg, N_tt = k22 * Hg;
 
   // d·N and N·N. d moves with x for a point source: d_s = e₁, and e₁·N = 0.
   const Vec3 d_world = incident(x), d = R * d_world;
   const double moves = point_source_ ? 1.0 : 0.0;
-  const Jet dN{d.dot(N),
-               d.dot(N_s),
-               d.dot(N_t),
-               d.dot(N_ss) + moves * h11,
-               d.dot(N_st) + moves * h12,
-               d.dot(N_tt) + moves * h22};
-  const Jet NN{NN0,
-               2.0 * N.dot(N_s),
-               2.0 * N.dot(N_t),
-               2.0 * (N_s.dot(N_s) + N.dot(N_ss)),
-               2.0 * (N_s.dot(N_t) + N.dot(N_st)),
-               2.0 * (N_t.dot(N_t) + N.dot(N_tt))};
+  const double d_Hg = d.dot(Hg), N_Hg = N.dot(Hg);
+  Jet dN{d.dot(N),
+         d.dot(N_s),
+         d.dot(N_t),
+         k11 * d_Hg + moves * h11,
+         k12 * d_Hg + moves * h12,
+         k22 * d_Hg + moves * h22};
+  Jet NN{NN0,
+         2.0 * N.dot(N_s),
+         2.0 * N.dot(N_t),
+         2.0 * (N_s.dot(N_s) + k11 * N_Hg),
+         2.0 * (N_s.dot(N_t) + k12 * N_Hg),
+         2.0 * (N_t.dot(N_t) + k22 * N_Hg)};
+  if (!quadratic_) {
+    const auto add_third = [&](const Vec3& u, const Vec3& v, Vec3& N_uv, double& dN_uv,
+                               double& NN_uv) {
+      const Vec3 T_uv = R * shape().third_derivative(x, u, v);
+      N_uv += T_uv;
+      dN_uv += d.dot(T_uv);
+      NN_uv += 2.0 * N.dot(T_uv);
+    };
+    add_third(f.e1, f.e1, N_ss, dN.ss, NN.ss);
+    add_third(f.e1, f.e2, N_st, dN.st, NN.st);
+    add_third(f.e2, f.e2, N_tt, dN.tt, NN.tt);
+  }
   const Jet kappa = 2.0 * (dN / NN);
 
-  // Position, reflected direction (S3), arrival (S4).
+  // Position, reflected direction (S3), arrival (S4); along m, and along u and v together.
   const Vec3 y = R * (x - receiver_->origin);
-  const auto position = [&](int i) {
-    return Jet{y[i], e1[i], e2[i], h11 * bend[i], h12 * bend[i], h22 * bend[i]};
+  const auto along_m = [](const Vec3& w) { return w.z(); };
+  const auto along_uv = [](const Vec3& w) -> Array2 { return w.head<2>(); };
+  const auto position = [&](const auto& part) {
+    using T = decltype(part(y));
+    const T b = part(bend);
+    return JetOf<T>{part(y), part(e1), part(e2), h11 * b, h12 * b, h22 * b};
   };
-  const auto reflected = [&](int i) {
-    const Jet N_i{N[i], N_s[i], N_t[i], N_ss[i], N_st[i], N_tt[i]};
-    const Jet d_i{d[i],
-                  moves * e1[i],
-                  moves * e2[i],
-                  moves * h11 * bend[i],
-                  moves * h12 * bend[i],
-                  moves * h22 * bend[i]};
-    return d_i - kappa * N_i;
+  const auto reflected = [&](const auto& part) {
+    using T = decltype(part(y));
+    const T b = moves * part(bend);
+    const JetOf<T> part_of_d{part(d), moves * part(e1), moves * part(e2),
+                             h11 * b, h12 * b,          h22 * b};
+    return part_of_d -
+           kappa * JetOf<T>{part(N), part(N_s), part(N_t), part(N_ss), part(N_st), part(N_tt)};
   };
-  Jet D_m = reflected(2);
+  Jet D_m = reflected(along_m);
   if (D_m.v == 0.0) D_m.v = kParallel;
-  const Jet lambda = -1.0 * (position(2) / D_m);
-  const Jet q1 = position(0) + lambda * reflected(0), q2 = position(1) + lambda * reflected(1);
+  const Jet lambda = -1.0 * (position(along_m) / D_m);
+  const JetOf<Array2> q = position(along_uv) + lambda * reflected(along_uv);
   f.lambda = lambda.v;
   f.facing = D_m.v;
-  f.q = {q1.v, q2.v};
-  f.q_s = {q1.s, q2.s};
-  f.q_t = {q1.t, q2.t};
+  f.q = q.v;
+  f.q_s = q.s;
+  f.q_t = q.t;
 
   // Magnification and its gradient (S5).
-  f.a = q1.s * q2.t - q1.t * q2.s;
-  const double a_s = q1.ss * q2.t + q1.s * q2.st - q1.st * q2.s - q1.t * q2.ss;
-  const double a_t = q1.st * q2.t + q1.s * q2.tt - q1.tt * q2.s - q1.t * q2.st;
+  const auto det = [](const Array2& a, const Array2& b) { return a.x() * b.y() - a.y() * b.x(); };
+  f.a = det(q.s, q.t);
+  const double a_s = det(q.ss, q.t) + det(q.s, q.st);
+  const double a_t = det(q.st, q.t) + det(q.s, q.tt);
   f.grad_a = a_s * f.e1 + a_t * f.e2;
 
   // Flux density (S6) and cos α, through logarithmic derivatives of the smooth factors.
   const double dd = d_world.squaredNorm(), inverse_d = 1.0 / std::sqrt(dd);
   const double factor = -side_ * inverse_norm * inverse_d;
   f.cos_alpha = factor * dN.v;
-  const Vec3 grad_dN = dN.s * f.e1 + dN.t * f.e2;
-  const Vec3 grad_log_N = (0.5 / NN0) * (NN.s * f.e1 + NN.t * f.e2);
-  const Vec3 grad_log_d = (moves / dd) * (d.dot(e1) * f.e1 + d.dot(e2) * f.e2);
-  f.grad_cos = factor * (grad_dN - dN.v * (grad_log_N + grad_log_d));
+  const double log_d_s = moves * d.dot(e1) / dd, log_d_t = moves * d.dot(e2) / dd;
+  const double cos_s = factor * (dN.s - dN.v * (0.5 * NN.s / NN0 + log_d_s));
+  const double cos_t = factor * (dN.t - dN.v * (0.5 * NN.t / NN0 + log_d_t));
+  f.grad_cos = cos_s * f.e1 + cos_t * f.e2;
   const double falloff = point_source_ ? strength_ * inverse_d * inverse_d : strength_;
+  const double flux_s = falloff * (cos_s - 2.0 * f.cos_alpha * log_d_s);
+  const double flux_t = falloff * (cos_t - 2.0 * f.cos_alpha * log_d_t);
   f.flux = falloff * f.cos_alpha;
-  f.grad_flux = falloff * (f.grad_cos - 2.0 * f.cos_alpha * grad_log_d);
+  f.grad_flux = flux_s * f.e1 + flux_t * f.e2;
 
-  f.finite = std::isfinite(f.a) && f.grad_a.allFinite() && std::isfinite(f.flux) &&
-             f.grad_flux.allFinite() && f.q.allFinite();
+  // A sum is finite only if its terms are.
+  f.finite = std::isfinite(f.a + a_s + a_t + f.flux + flux_s + flux_t + f.q.sum());
   return f;
 }
 
