@@ -17,8 +17,7 @@ constexpr double kOnSurfaceShare = 1e-9;
 Box hull(const Box& a, const Box& b) { return {a.min.cwiseMin(b.min), a.max.cwiseMax(b.max)}; }
 
 Box window_of(const geometry::ReceiverFrame& r) {
-  const geometry::Vec3 reach =
-      r.half.x() * r.u.cwiseAbs() + r.half.y() * r.v.cwiseAbs();
+  const geometry::Vec3 reach = r.half.x() * r.u.cwiseAbs() + r.half.y() * r.v.cwiseAbs();
   return {r.origin - reach, r.origin + reach};
 }
 
@@ -29,16 +28,18 @@ bool whole(const SystemSurface& surface) {
   return surface.shape->own_bounds().empty();
 }
 
-// The side from which light must come, or 0 if it may be either: a surface without holes separates
-// its inside from its outside, so light arrives on the side where its source is.
+// The side from which light must come, or 0 if it may be either. A surface without holes separates
+// its inside from its outside, so light arrives on the side where its source is; a lamp inside a
+// convex surface lights its inside, holes or not.
 int lit_side(const OpticalSystem& system, const SystemSurface& surface) {
-  if (!whole(surface)) return 0;
   geometry::Vec3 gradient;
   if (const auto* point = std::get_if<PointLight>(&system.light())) {
     const double g = surface.shape->value_gradient(point->position, gradient);
     if (std::abs(g) <= kOnSurfaceShare * system.diameter() * gradient.norm()) return 0;
-    return g > 0.0 ? 1 : -1;
+    const int side = g > 0.0 ? 1 : -1;
+    return surface.shape->convex(-side) || whole(surface) ? side : 0;
   }
+  if (!whole(surface)) return 0;
   const Box box = surface.shape->bounds();
   if (!box.bounded()) return 0;
   // A beam comes from infinity, outside of every closed shape; which sign g has there is the user's.
@@ -55,7 +56,8 @@ bool may_be_hidden(const OpticalSystem& system, int mirror, int side) {
     const Box& other = system.surfaces()[i].region;
     const Box to_light = hull(surface.region, Box{point->position, point->position});
     const Box to_receiver = hull(surface.region, window_of(system.receiver()));
-    if (!other.intersected(to_light).empty() || !other.intersected(to_receiver).empty()) return true;
+    if (!other.intersected(to_light).empty() || !other.intersected(to_receiver).empty())
+      return true;
   }
   return false;
 }
@@ -82,23 +84,25 @@ Plan make_plan(const OpticalSystem& system, const std::vector<std::vector<int>>&
   if (dark_sides > 0) {
     plan.skipped.push_back({"dark_side", std::to_string(dark_sides) +
                                              (dark_sides == 1 ? " side" : " sides") +
-                                             " of surfaces without openings that face away from the light"});
+                                             " of surfaces that no light can reach"});
   }
   bool quadrics = !plan.pieces.empty();
   for (const PlannedPiece& piece : plan.pieces) {
     quadrics &= system.surfaces()[piece.surface].shape->at_most_quadratic();
   }
   if (quadrics) {
-    plan.skipped.push_back({"third_derivatives", "all mirrors are planes or quadrics, whose third "
-                                                 "derivatives vanish"});
+    plan.skipped.push_back({"third_derivatives",
+                            "all mirrors are planes or quadrics, whose third "
+                            "derivatives vanish"});
   }
   bool visibility = false;
   for (const PlannedPiece& piece : plan.pieces) visibility |= piece.visibility;
   if (unhidden > 0 && !no_skip.count("visibility")) {
     const bool alone = system.surfaces().size() == 1;
     plan.skipped.push_back(
-        {"visibility", alone ? "one convex surface, nothing else to hit"
-                             : std::to_string(unhidden) + " convex mirror sides with nothing in the way"});
+        {"visibility",
+         alone ? "one convex surface, nothing else to hit"
+               : std::to_string(unhidden) + " convex mirror sides with nothing in the way"});
   }
   const int count = static_cast<int>(system.surfaces().size());
   plan.embree = visibility && (count >= kEmbreeSurfaces || no_skip.count("embree") > 0);

@@ -86,6 +86,10 @@ double Visibility::clearance(const Segment& segment, int index) const {
   const Ray& ray = segment.ray;
   const bool own = index == segment.own;
   if (!own && !region.may_meet(ray, margin_)) return margin_;
+  // Inside a convex surface the way from it to the light is free.
+  if (own && !segment.end_moves && shape->convex(shape->value(ray.at(1.0)) < 0.0 ? 1 : -1)) {
+    return geometry::kInfinity;
+  }
   thread_local RayParameters roots, still;
   roots.clear();
   still.clear();
