@@ -21,6 +21,10 @@ class Domain {
   Vec3 gradient(int i, const FieldPoint& f) const;
   /// ∇h·t for a direction t in the surface, with dq = M t.
   double slope(int i, const FieldPoint& f, const Vec3& t, const Vec2& dq) const;
+  /// Largest slope inside the domain; infinite where none is known.
+  double steepest(int i) const {
+    return i <= bound_count() + 1 && i != bound_count() ? 1.0 : geometry::kInfinity;
+  }
   Ending ending(int i) const;
   /// True for the ball in which unbounded surfaces exist.
   bool is_clip(int i) const {

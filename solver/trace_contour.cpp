@@ -246,6 +246,7 @@ bool Tracer::closes(const Node& a, const Node& b) {
 // and fall inside the step shows in the cubic through both ends.
 std::optional<double> Tracer::leaves(int i, const Node& a, const Node& b) {
   const double ha = domain_.value(i, a.f), hb = domain_.value(i, b.f), ds = b.s - a.s;
+  if (std::max(ha, hb) + 0.25 * domain_.steepest(i) * ds < 0.0) return std::nullopt;
   const double da = domain_.slope(i, a.f, a.t, a.dq) * ds, db = domain_.slope(i, b.f, b.t, b.dq) * ds;
   // Two boundaries may coincide; the one that was located first keeps the end.
   const double fuzz = 16.0 * evaluate_.map().rounding(b.f.x) * (1.0 + std::abs(db) / ds);

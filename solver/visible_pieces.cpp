@@ -10,9 +10,9 @@ namespace caustic::solver {
 
 namespace {
 
-// Two vertices whose clearances exceed their distance by this factor have nothing between them;
-// clearance is a distance to first order only.
-constexpr double kClearanceFactor = 1.5;
+// Two vertices whose clearances together exceed their distance by this factor have nothing between
+// them; clearance is a lower bound to second order only.
+constexpr double kClearanceFactor = 1.2;
 // Bisections of an interval that is not safe: both ends alike, ends different.
 constexpr int kMaxScanDepth = 6;
 constexpr int kMinScanDepth = 2;
