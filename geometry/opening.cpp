@@ -9,6 +9,8 @@ namespace {
 
 constexpr int kApproaches = 40;  // projections until inside
 constexpr int kClimbs = 40;      // steps of a climb, halved where they do not help
+// A climb is at its top when its steps are this share of the margin found.
+constexpr double kTopShare = 0.1;
 
 double largest(const std::vector<Bound>& bounds, const Point& x) {
   double h = -kInfinity;
@@ -61,7 +63,7 @@ double opening_radius(const Surface& surface, const std::vector<Bound>& bounds,
   for (const Point& start : starts) {
     Point x = approach(surface, bounds, start);
     double h = largest(bounds, x), step = enough;
-    for (int i = 0; i < kClimbs && -h < enough; ++i) {
+    for (int i = 0; i < kClimbs && -h < enough && step > kTopShare * -h; ++i) {
       const Point next = towards_surface(surface, x + step * away(bounds, x, h, step));
       const double h_next = largest(bounds, next);
       if (h_next < h) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <memory_resource>
 #include <unordered_map>
 
 #include "geometry/opening.h"
@@ -81,6 +82,7 @@ class Explorer {
     const FieldPoint& operator()(const Exploration& e, int k) const { return e.samples[samples[k]]; }
   };
 
+  bool outside(const Point& middle, double radius) const;
   double find_opening() const;
   int sample(int chart, int i, int j);
   View look(const Square& c);
@@ -103,9 +105,18 @@ class Explorer {
   int base_ = kBaseOfOne;
   std::size_t seen_ = 0;
   Exploration result_;
-  std::unordered_map<std::uint64_t, int> known_;
-  std::unordered_map<int, bool> hidden_known_;
+  std::pmr::monotonic_buffer_resource memory_;
+  std::pmr::unordered_map<std::uint64_t, int> known_{&memory_};
+  std::pmr::unordered_map<int, bool> hidden_known_{&memory_};
 };
+
+// Outside the aperture for sure? The bounds are 1-Lipschitz.
+bool Explorer::outside(const Point& middle, double radius) const {
+  const auto& bounds = map_.mirror().bounds;
+  return std::any_of(bounds.begin(), bounds.end(), [&](const auto& bound) {
+    return bound.lower_bound_within(bound.value(middle), radius) > 0.0;
+  });
+}
 
 // Climbs from the middle of every cell of the base that the aperture may touch.
 double Explorer::find_opening() const {
@@ -118,8 +129,9 @@ double Explorer::find_opening() const {
       for (int j = 0; j < base_; ++j) {
         const Point middle = chart.point((i + 0.5) * step, (j + 0.5) * step);
         const double radius = (chart.point(i * step, j * step) - middle).norm();
-        if (middle.allFinite()) starts.push_back(middle);
-        if (std::isfinite(radius)) largest = std::max(largest, radius);
+        if (!std::isfinite(radius) || outside(middle, kRadiusFactor * radius)) continue;
+        starts.push_back(middle);
+        largest = std::max(largest, radius);
       }
     }
   }
@@ -192,12 +204,8 @@ bool Explorer::near_source(const View& view) const {
 Explorer::Verdict Explorer::judge(const Square& c, View& view) {
   const int deepest = seen_ < kDeepCells ? kImageDepth : kFieldDepth;
   const Point& middle = view(result_, 4).x;
-  // Outside the aperture for sure? The bounds are 1-Lipschitz.
-  for (const auto& bound : map_.mirror().bounds) {
-    const double h = bound.value(middle);
-    if (bound.lower_bound_within(h, view.radius) > 0.0) return Verdict::discard;
-    view.cut |= h > -view.radius;
-  }
+  if (outside(middle, view.radius)) return Verdict::discard;
+  for (const auto& bound : map_.mirror().bounds) view.cut |= bound.value(middle) > -view.radius;
   if (view.cut && view.radius * kOpeningShare > opening_ && c.depth < deepest) {
     return Verdict::refine;
   }
