@@ -5,13 +5,8 @@
 #include <iterator>
 #include <sstream>
 #include <thread>
-#include <tuple>
 
-#include "solver/contours.h"
-#include "solver/corrector.h"
-#include "solver/family_field.h"
-#include "solver/trace_contour.h"
-#include "solver/visible_pieces.h"
+#include "solver/contour_task.h"
 
 namespace caustic::solver {
 
@@ -26,129 +21,8 @@ constexpr double kResidualShare = 0.1;
 constexpr double kResidual = 1e-9;
 // A level this near to a critical value is moved off it.
 constexpr double kCriticalShare = 1e-9;
-// Open curves shorter than this share of the chord tolerance are left out.
-constexpr double kSpeckShare = 1e-2;
-// Shares of the seed's cell: first step, and how near to the curve the corrector brings the seed.
-constexpr double kFirstStepShare = 0.25;
-constexpr double kSeedPosition = 1e-9;
 
-// All curves of one level function on one field.
-struct Task {
-  const FamilyField* field;
-  LevelFunction level;
-  double irradiance;  // W/m², −1 for the caustic
-  std::vector<Seed> seeds;
-  std::vector<Trace> traces;
-  std::size_t lost_seeds = 0;
-};
-
-// A point against the cubic through two vertices with their tangents.
-struct Gap {
-  Point foot;
-  double off, sagitta;
-};
-std::optional<Gap> gap_to_cubic(const Trace& trace, std::size_t i, std::size_t j, const Point& x) {
-  const Point &a = trace.vertices[i].x, &b = trace.vertices[j].x;
-  const Vec3 chord = b - a;
-  const double length = chord.norm(), w = chord.dot(x - a) / (length * length), v = 1.0 - w;
-  if (!(w >= -1e-3 && w <= 1.0 + 1e-3)) return std::nullopt;
-  const Vec3 bulge = (length * w * v * v) * (trace.tangents[i] - chord / length) -
-                     (length * w * w * v) * (trace.tangents[j] - chord / length);
-  const Point foot = a + w * chord + bulge;
-  return Gap{foot, (x - foot).norm(), bulge.norm() + 1e-3 * length * w * v};
-}
-
-// Is a seed on a curve that has been traced? Surely within a twentieth of the sagitta from the cubic,
-// since that is off by a fourth order only, and a curve that passes nearer does so elsewhere too; up
-// to some sagittas the corrector tells, from the cubic's point next to the seed.
-bool visited(const std::vector<Trace>& traces, const FieldPoint& seed, double fuzz,
-             Evaluator& evaluate, const LevelFunction& level) {
-  for (const Trace& trace : traces) {
-    const auto& vertices = trace.vertices;
-    const std::size_t n = vertices.size();
-    std::size_t nearest = 0;
-    double least = geometry::kInfinity;
-    for (std::size_t i = 0; i < n; ++i) {
-      const double d = (vertices[i].x - seed.x).squaredNorm();
-      if (d < least) {
-        least = d;
-        nearest = i;
-      }
-    }
-    if (least <= fuzz * fuzz) return true;
-    for (const std::size_t begin : {(nearest + n - 1) % n, nearest}) {
-      if (!trace.closed && begin == n - 1) continue;
-      const auto gap = gap_to_cubic(trace, begin, (begin + 1) % n, seed.x);
-      if (!gap || gap->off > 4.0 * gap->sagitta + fuzz) continue;
-      if (gap->off <= 0.05 * gap->sagitta + fuzz) return true;
-      const auto on_curve = correct(evaluate, level, gap->foot,
-                                    {1e-12, geometry::kInfinity, 2.0 * gap->off});
-      if (!on_curve) continue;
-      const Vec3 apart = on_curve->x - seed.x, t = level.tangent(seed);
-      if ((apart - t * t.dot(apart)).norm() <= 0.2 * gap->off + fuzz) return true;
-    }
-  }
-  return false;
-}
-
-// The seed on its curve and inside the domain or on its boundary.
-std::optional<FieldPoint> settle(const Seed& seed, Evaluator& evaluate, const FamilyField& field,
-                                 const LevelFunction& level, double residual) {
-  const CorrectorOptions options{residual, kSeedPosition * seed.reach, seed.reach};
-  auto f = correct(evaluate, level, seed.at, options);
-  if (!f) return std::nullopt;
-  const auto worst = field.domain.worst(*f);
-  const double slack = 100.0 * evaluate.map().rounding(f->x);
-  if (worst.value <= slack) return f;
-  // Found on the chord of a curved boundary: onto the boundary itself.
-  f = correct_at_end(evaluate, level, field.domain, worst.boundary, f->x, options);
-  const double steep = f ? field.domain.gradient(worst.boundary, *f).norm() : 0.0;
-  if (!f || field.domain.worst(*f).value > slack * (1.0 + steep)) return std::nullopt;
-  return f;
-}
-
-// Too short to be seen: what rounding leaves between two boundaries where all levels meet, or where
-// visibility flickers along a silhouette.
-bool speck(const Trace& trace, double chord) {
-  double length = 0.0;
-  for (std::size_t i = 1; i < trace.vertices.size(); ++i) {
-    length += (trace.vertices[i].uv - trace.vertices[i - 1].uv).norm();
-    if (length > kSpeckShare * chord) return false;
-  }
-  return !trace.closed;
-}
-
-void run(Task& task, Budget& budget, double chord, double residual) {
-  Evaluator evaluate(task.field->map, budget);
-  std::vector<Trace> whole;  // for telling visited seeds, before visibility cuts them
-  for (const Seed& seed : task.seeds) {
-    if (budget.exhausted()) break;
-    // At a silhouette where a vanishes too all levels meet, and none can be followed.
-    if (!seed.at.lit()) continue;
-    const auto f = settle(seed, evaluate, *task.field, task.level, residual);
-    if (!f) {
-      ++task.lost_seeds;
-      continue;
-    }
-    // The corrector leaves points no further off the curve than this.
-    const double fuzz = 4.0 * kSeedPosition * seed.reach + 1e3 * evaluate.map().rounding(f->x);
-    if (visited(whole, *f, fuzz, evaluate, task.level)) continue;
-    const TraceOptions options{chord, residual, kFirstStepShare * seed.reach};
-    Trace trace = trace_contour(evaluate, task.field->domain, task.level, *f, options);
-    if (trace.vertices.size() < 2) continue;
-    whole.push_back(trace);
-    if (!task.field->visibility) {
-      if (!speck(trace, chord)) task.traces.push_back(std::move(trace));
-      continue;
-    }
-    for (Trace& piece : visible_pieces(std::move(trace), *task.field->visibility, evaluate,
-                                       task.level, residual)) {
-      if (!speck(piece, chord)) task.traces.push_back(std::move(piece));
-    }
-  }
-}
-
-void run_all(std::vector<Task>& tasks, const ContourRequest& request, Budget& budget, double chord,
+void run_all(std::vector<ContourTask>& tasks, const ContourRequest& request, Budget& budget, double chord,
              double residual) {
   std::atomic<std::size_t> next{0}, done{0};
   const auto work = [&](bool reports) {
@@ -162,74 +36,6 @@ void run_all(std::vector<Task>& tasks, const ContourRequest& request, Budget& bu
   for (int i = 1; i < request.threads && tasks.size() > 1; ++i) others.emplace_back(work, false);
   work(true);
   for (std::thread& thread : others) thread.join();
-}
-
-// Brighter side on the left, seen with u right and v up; caustics from their smaller end.
-void orient(Curve& curve, const geometry::ReceiverFrame& receiver) {
-  auto& vertices = curve.vertices;
-  bool reverse = false;
-  if (curve.kind == CurveKind::isolux) {
-    double left = 0.0;
-    for (std::size_t i = 0; i + 1 < vertices.size(); ++i) {
-      const Vec2 d = vertices[i + 1].uv - vertices[i].uv;
-      const Vec3& g = vertices[i].gradient;
-      const double scale = g.norm();
-      if (scale > 0.0) left += (d.x() * receiver.v.dot(g) - d.y() * receiver.u.dot(g)) / scale;
-    }
-    reverse = left < 0.0;
-  } else {
-    const Vec2 &a = vertices.front().uv, &b = curve.closed ? vertices[1].uv : vertices.back().uv;
-    reverse = std::tie(b.x(), b.y()) < std::tie(a.x(), a.y());
-  }
-  if (!reverse) return;
-  std::reverse(vertices.begin(), vertices.end());
-  std::reverse(curve.ends.begin(), curve.ends.end());
-}
-
-Curve finish(Trace trace, const Task& task, const geometry::ReceiverFrame& receiver) {
-  Curve curve;
-  curve.kind = task.level.is_caustic() ? CurveKind::caustic : CurveKind::isolux;
-  curve.level = task.irradiance;
-  curve.family_id = task.field->piece.family;
-  curve.parity = task.level.k > 0.0 ? 1 : task.level.k < 0.0 ? -1 : 0;
-  curve.closed = trace.closed;
-  curve.ends = std::move(trace.ends);
-  curve.vertices = std::move(trace.vertices);
-  orient(curve, receiver);
-  double length = 0.0;
-  for (std::size_t i = 0; i < curve.vertices.size(); ++i) {
-    CurveVertex& v = curve.vertices[i];
-    if (i > 0) length += (v.p - curve.vertices[i - 1].p).norm();
-    v.arc_length = length;
-    // Against the level asked for, which a critical value may have moved.
-    if (curve.kind == CurveKind::isolux) v.residual = std::abs(v.irradiance / curve.level - 1.0);
-    curve.max_residual = std::max(curve.max_residual, v.residual);
-  }
-  if (curve.closed) length += (curve.vertices.front().p - curve.vertices.back().p).norm();
-  curve.length = length;
-  return curve;
-}
-
-Vec2 smallest_uv(const Curve& curve) {
-  Vec2 least = curve.vertices.front().uv;
-  for (const CurveVertex& v : curve.vertices) {
-    if (std::tie(v.uv.x(), v.uv.y()) < std::tie(least.x(), least.y())) least = v.uv;
-  }
-  return least;
-}
-
-void sort_curves(std::vector<Curve>& curves) {
-  using Key = std::tuple<int, double, int, double, double>;
-  std::vector<std::pair<Key, std::size_t>> order;
-  for (std::size_t i = 0; i < curves.size(); ++i) {
-    const Curve& c = curves[i];
-    const Vec2 uv = smallest_uv(c);
-    order.push_back({{static_cast<int>(c.kind), c.level, c.family_id, uv.x(), uv.y()}, i});
-  }
-  std::sort(order.begin(), order.end());
-  std::vector<Curve> sorted;
-  for (const auto& [key, i] : order) sorted.push_back(std::move(curves[i]));
-  curves = std::move(sorted);
 }
 
 std::string number(double value) {
@@ -254,7 +60,7 @@ class Run {
     list_families();
     explore();
     result_.levels = request_.isolux ? levels() : std::vector<double>{};
-    std::vector<Task> tasks = make_tasks();
+    std::vector<ContourTask> tasks = make_tasks();
     run_all(tasks, request_, budget_, chord_, residual_);
     collect(tasks);
     if (budget_.exhausted()) {
@@ -274,8 +80,8 @@ class Run {
   void judge(const FamilyField& field, const std::string& name);
   std::vector<double> levels();
   std::vector<LevelFunction> targets_for(const FamilyField& field, std::vector<double>& irradiances);
-  std::vector<Task> make_tasks();
-  void collect(std::vector<Task>& tasks);
+  std::vector<ContourTask> make_tasks();
+  void collect(std::vector<ContourTask>& tasks);
   void warn(const std::string& code, const std::string& detail) {
     for (const Warning& w : result_.warnings) {
       if (w.code == code && w.detail == detail) return;
@@ -398,13 +204,13 @@ std::vector<LevelFunction> Run::targets_for(const FamilyField& field,
   return targets;
 }
 
-std::vector<Task> Run::make_tasks() {
-  std::vector<Task> tasks;
+std::vector<ContourTask> Run::make_tasks() {
+  std::vector<ContourTask> tasks;
   for (const auto& field : fields_) {
     if (field->degenerate || field->uniform || field->empty()) continue;
     std::vector<double> irradiances;
     const auto targets = targets_for(*field, irradiances);
-    std::vector<Task> own;
+    std::vector<ContourTask> own;
     for (std::size_t i = 0; i < targets.size(); ++i) {
       own.push_back({field.get(), targets[i], irradiances[i], {}, {}, 0});
     }
@@ -413,7 +219,7 @@ std::vector<Task> Run::make_tasks() {
       own[seed.target].seeds.push_back(std::move(seed));
     }
     std::copy_if(std::make_move_iterator(own.begin()), std::make_move_iterator(own.end()),
-                 std::back_inserter(tasks), [](const Task& task) { return !task.seeds.empty(); });
+                 std::back_inserter(tasks), [](const ContourTask& task) { return !task.seeds.empty(); });
   }
   if (empty_levels_ > 0) {
     skip("empty_levels", std::to_string(empty_levels_) +
@@ -422,10 +228,10 @@ std::vector<Task> Run::make_tasks() {
   return tasks;
 }
 
-void Run::collect(std::vector<Task>& tasks) {
+void Run::collect(std::vector<ContourTask>& tasks) {
   double conditioning = 0.0;
   std::size_t lost = 0, levels_with_lost = 0;
-  for (Task& task : tasks) {
+  for (ContourTask& task : tasks) {
     lost += task.lost_seeds;
     levels_with_lost += task.lost_seeds > 0;
     for (Trace& trace : task.traces) {

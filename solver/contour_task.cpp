@@ -1,0 +1,126 @@
+#include "solver/contour_task.h"
+
+#include <optional>
+
+#include "solver/corrector.h"
+#include "solver/visible_pieces.h"
+
+namespace caustic::solver {
+
+namespace {
+
+// Open curves shorter than this share of the chord tolerance are left out.
+constexpr double kSpeckShare = 1e-2;
+// Shares of the seed's cell: first step, and how near to the curve the corrector brings the seed.
+constexpr double kFirstStepShare = 0.25;
+constexpr double kSeedPosition = 1e-9;
+
+// A point against the cubic through two vertices with their tangents.
+struct Gap {
+  Point foot;
+  double off, sagitta;
+};
+std::optional<Gap> gap_to_cubic(const Trace& trace, std::size_t i, std::size_t j, const Point& x) {
+  const Point &a = trace.vertices[i].x, &b = trace.vertices[j].x;
+  const Vec3 chord = b - a;
+  const double length = chord.norm(), w = chord.dot(x - a) / (length * length), v = 1.0 - w;
+  if (!(w >= -1e-3 && w <= 1.0 + 1e-3)) return std::nullopt;
+  const Vec3 bulge = (length * w * v * v) * (trace.tangents[i] - chord / length) -
+                     (length * w * w * v) * (trace.tangents[j] - chord / length);
+  const Point foot = a + w * chord + bulge;
+  return Gap{foot, (x - foot).norm(), bulge.norm() + 1e-3 * length * w * v};
+}
+
+// Is a seed on a curve that has been traced? Surely within a twentieth of the sagitta from the cubic,
+// since that is off by a fourth order only, and a curve that passes nearer does so elsewhere too; up
+// to some sagittas the corrector tells, from the cubic's point next to the seed.
+bool visited(const std::vector<Trace>& traces, const FieldPoint& seed, double fuzz,
+             Evaluator& evaluate, const LevelFunction& level) {
+  for (const Trace& trace : traces) {
+    const auto& vertices = trace.vertices;
+    const std::size_t n = vertices.size();
+    std::size_t nearest = 0;
+    double least = geometry::kInfinity;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double d = (vertices[i].x - seed.x).squaredNorm();
+      if (d < least) {
+        least = d;
+        nearest = i;
+      }
+    }
+    if (least <= fuzz * fuzz) return true;
+    for (const std::size_t begin : {(nearest + n - 1) % n, nearest}) {
+      if (!trace.closed && begin == n - 1) continue;
+      const auto gap = gap_to_cubic(trace, begin, (begin + 1) % n, seed.x);
+      if (!gap || gap->off > 4.0 * gap->sagitta + fuzz) continue;
+      if (gap->off <= 0.05 * gap->sagitta + fuzz) return true;
+      const auto on_curve = correct(evaluate, level, gap->foot,
+                                    {1e-12, geometry::kInfinity, 2.0 * gap->off});
+      if (!on_curve) continue;
+      const Vec3 apart = on_curve->x - seed.x, t = level.tangent(seed);
+      if ((apart - t * t.dot(apart)).norm() <= 0.2 * gap->off + fuzz) return true;
+    }
+  }
+  return false;
+}
+
+// The seed on its curve and inside the domain or on its boundary.
+std::optional<FieldPoint> settle(const Seed& seed, Evaluator& evaluate, const FamilyField& field,
+                                 const LevelFunction& level, double residual) {
+  const CorrectorOptions options{residual, kSeedPosition * seed.reach, seed.reach};
+  auto f = correct(evaluate, level, seed.at, options);
+  if (!f) return std::nullopt;
+  const auto worst = field.domain.worst(*f);
+  const double slack = 100.0 * evaluate.map().rounding(f->x);
+  if (worst.value <= slack) return f;
+  // Found on the chord of a curved boundary: onto the boundary itself.
+  f = correct_at_end(evaluate, level, field.domain, worst.boundary, f->x, options);
+  const double steep = f ? field.domain.gradient(worst.boundary, *f).norm() : 0.0;
+  if (!f || field.domain.worst(*f).value > slack * (1.0 + steep)) return std::nullopt;
+  return f;
+}
+
+// Too short to be seen: what rounding leaves between two boundaries where all levels meet, or where
+// visibility flickers along a silhouette.
+bool speck(const Trace& trace, double chord) {
+  double length = 0.0;
+  for (std::size_t i = 1; i < trace.vertices.size(); ++i) {
+    length += (trace.vertices[i].uv - trace.vertices[i - 1].uv).norm();
+    if (length > kSpeckShare * chord) return false;
+  }
+  return !trace.closed;
+}
+
+}  // namespace
+
+void run(ContourTask& task, Budget& budget, double chord, double residual) {
+  Evaluator evaluate(task.field->map, budget);
+  std::vector<Trace> whole;  // for telling visited seeds, before visibility cuts them
+  for (const Seed& seed : task.seeds) {
+    if (budget.exhausted()) break;
+    // At a silhouette where a vanishes too all levels meet, and none can be followed.
+    if (!seed.at.lit()) continue;
+    const auto f = settle(seed, evaluate, *task.field, task.level, residual);
+    if (!f) {
+      ++task.lost_seeds;
+      continue;
+    }
+    // The corrector leaves points no further off the curve than this.
+    const double fuzz = 4.0 * kSeedPosition * seed.reach + 1e3 * evaluate.map().rounding(f->x);
+    if (visited(whole, *f, fuzz, evaluate, task.level)) continue;
+    const TraceOptions options{chord, residual, kFirstStepShare * seed.reach};
+    Trace trace = trace_contour(evaluate, task.field->domain, task.level, *f, options);
+    if (trace.vertices.size() < 2) continue;
+    whole.push_back(trace);
+    if (!task.field->visibility) {
+      if (!speck(trace, chord)) task.traces.push_back(std::move(trace));
+      continue;
+    }
+    for (Trace& piece : visible_pieces(std::move(trace), *task.field->visibility, evaluate,
+                                       task.level, residual)) {
+      if (!speck(piece, chord)) task.traces.push_back(std::move(piece));
+    }
+  }
+}
+
+}  // namespace caustic::solver
