@@ -15,18 +15,31 @@ constexpr double kSpeckShare = 1e-2;
 constexpr double kFirstStepShare = 0.25;
 constexpr double kSeedPosition = 1e-9;
 
+// What is kept of a traced curve to tell seeds that lie on it: places and unit tangents, close in
+// memory, before visibility cuts it.
+struct Track {
+  std::vector<Point> x;
+  std::vector<Vec3> t;
+  bool closed;
+};
+Track track_of(const Trace& trace) {
+  Track track{{}, trace.tangents, trace.closed};
+  for (const CurveVertex& v : trace.vertices) track.x.push_back(v.x);
+  return track;
+}
+
 // A point against the cubic through two vertices with their tangents.
 struct Gap {
   Point foot;
   double off, sagitta;
 };
-std::optional<Gap> gap_to_cubic(const Trace& trace, std::size_t i, std::size_t j, const Point& x) {
-  const Point &a = trace.vertices[i].x, &b = trace.vertices[j].x;
+std::optional<Gap> gap_to_cubic(const Track& track, std::size_t i, std::size_t j, const Point& x) {
+  const Point &a = track.x[i], &b = track.x[j];
   const Vec3 chord = b - a;
   const double length = chord.norm(), w = chord.dot(x - a) / (length * length), v = 1.0 - w;
   if (!(w >= -1e-3 && w <= 1.0 + 1e-3)) return std::nullopt;
-  const Vec3 bulge = (length * w * v * v) * (trace.tangents[i] - chord / length) -
-                     (length * w * w * v) * (trace.tangents[j] - chord / length);
+  const Vec3 bulge = (length * w * v * v) * (track.t[i] - chord / length) -
+                     (length * w * w * v) * (track.t[j] - chord / length);
   const Point foot = a + w * chord + bulge;
   return Gap{foot, (x - foot).norm(), bulge.norm() + 1e-3 * length * w * v};
 }
@@ -34,15 +47,14 @@ std::optional<Gap> gap_to_cubic(const Trace& trace, std::size_t i, std::size_t j
 // Is a seed on a curve that has been traced? Surely within a twentieth of the sagitta from the cubic,
 // since that is off by a fourth order only, and a curve that passes nearer does so elsewhere too; up
 // to some sagittas the corrector tells, from the cubic's point next to the seed.
-bool visited(const std::vector<Trace>& traces, const FieldPoint& seed, double fuzz,
+bool visited(const std::vector<Track>& tracks, const FieldPoint& seed, double fuzz,
              Evaluator& evaluate, const LevelFunction& level) {
-  for (const Trace& trace : traces) {
-    const auto& vertices = trace.vertices;
-    const std::size_t n = vertices.size();
+  for (const Track& track : tracks) {
+    const std::size_t n = track.x.size();
     std::size_t nearest = 0;
     double least = geometry::kInfinity;
     for (std::size_t i = 0; i < n; ++i) {
-      const double d = (vertices[i].x - seed.x).squaredNorm();
+      const double d = (track.x[i] - seed.x).squaredNorm();
       if (d < least) {
         least = d;
         nearest = i;
@@ -50,8 +62,8 @@ bool visited(const std::vector<Trace>& traces, const FieldPoint& seed, double fu
     }
     if (least <= fuzz * fuzz) return true;
     for (const std::size_t begin : {(nearest + n - 1) % n, nearest}) {
-      if (!trace.closed && begin == n - 1) continue;
-      const auto gap = gap_to_cubic(trace, begin, (begin + 1) % n, seed.x);
+      if (!track.closed && begin == n - 1) continue;
+      const auto gap = gap_to_cubic(track, begin, (begin + 1) % n, seed.x);
       if (!gap || gap->off > 4.0 * gap->sagitta + fuzz) continue;
       if (gap->off <= 0.05 * gap->sagitta + fuzz) return true;
       const auto on_curve = correct(evaluate, level, gap->foot,
@@ -95,7 +107,7 @@ bool speck(const Trace& trace, double chord) {
 
 void run(ContourTask& task, Budget& budget, double chord, double residual) {
   Evaluator evaluate(task.field->map, budget);
-  std::vector<Trace> whole;  // for telling visited seeds, before visibility cuts them
+  std::vector<Track> tracks;
   for (const Seed& seed : task.seeds) {
     if (budget.exhausted()) break;
     // At a silhouette where a vanishes too all levels meet, and none can be followed.
@@ -107,11 +119,11 @@ void run(ContourTask& task, Budget& budget, double chord, double residual) {
     }
     // The corrector leaves points no further off the curve than this.
     const double fuzz = 4.0 * kSeedPosition * seed.reach + 1e3 * evaluate.map().rounding(f->x);
-    if (visited(whole, *f, fuzz, evaluate, task.level)) continue;
+    if (visited(tracks, *f, fuzz, evaluate, task.level)) continue;
     const TraceOptions options{chord, residual, kFirstStepShare * seed.reach};
     Trace trace = trace_contour(evaluate, task.field->domain, task.level, *f, options);
     if (trace.vertices.size() < 2) continue;
-    whole.push_back(trace);
+    tracks.push_back(track_of(trace));
     if (!task.field->visibility) {
       if (!speck(trace, chord)) task.traces.push_back(std::move(trace));
       continue;

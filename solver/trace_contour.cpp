@@ -320,7 +320,7 @@ std::optional<Stop> Tracer::accept(const Node& a, const Node& b, Trace& out) {
   return Stop{false, domain_.ending(boundary), domain_.is_clip(boundary), false};
 }
 
-// Follows the curve from the seed (not part of `out`) in one direction.
+// Follows the curve from the seed, which `out` has already, in one direction.
 Stop Tracer::follow(const FieldPoint& seed, double sign, Trace& out) {
   sign_ = sign;
   ds_ = options_.first_step;
@@ -375,22 +375,23 @@ CurveVertex make_vertex(const ForwardMap& map, const LevelFunction& level, const
 
 Trace trace_contour(Evaluator& evaluate, const Domain& domain, const LevelFunction& level,
                     const FieldPoint& seed, const TraceOptions& options) {
-  Trace trace, ahead;
-  Tracer tracer(evaluate, domain, level, options);
-  const Stop front = tracer.follow(seed, 1.0, ahead);
-  if (!front.closed) {
-    const Stop back = tracer.follow(seed, -1.0, trace);
+  Trace trace;
+  const auto turn_round = [&] {
     std::reverse(trace.vertices.begin(), trace.vertices.end());
     std::reverse(trace.tangents.begin(), trace.tangents.end());
+  };
+  Tracer tracer(evaluate, domain, level, options);
+  tracer.append(seed, trace);
+  const Stop front = tracer.follow(seed, 1.0, trace);
+  trace.closed = front.closed;
+  if (!front.closed) {
+    turn_round();
+    const Stop back = tracer.follow(seed, -1.0, trace);
+    turn_round();
     trace.ends = {back.ending, front.ending};
     trace.clipped = back.clipped || front.clipped;
     trace.stalled = back.stalled || front.stalled;
   }
-  trace.closed = front.closed;
-  tracer.append(seed, trace);
-  trace.vertices.insert(trace.vertices.end(), ahead.vertices.begin(), ahead.vertices.end());
-  trace.tangents.insert(trace.tangents.end(), ahead.tangents.begin(), ahead.tangents.end());
-  trace.conditioning = std::max(trace.conditioning, ahead.conditioning);
   return trace;
 }
 
