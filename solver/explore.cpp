@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <deque>
 #include <memory_resource>
 #include <unordered_map>
 
@@ -19,7 +20,7 @@ constexpr int kBaseOfOne = 12;
 constexpr int kBaseOfMany = 4;
 // Finest levels, counted from the base, for each reason to refine.
 constexpr int kBoundaryDepth = 2;  // the domain's boundary passes, or something hides a part
-constexpr int kFieldDepth = 4;     // a, σ or q vary
+constexpr int kFieldDepth = 8;     // a, σ or q vary
 constexpr int kPoleDepth = 5;      // some rays leave the receiver's plane
 constexpr int kImageDepth = 24;    // the image is coarse against the window, or the light is near
 // The image of a cell inside the window: at most this share of the window's diagonal.
@@ -333,31 +334,32 @@ Exploration Explorer::run() {
   opening_ = find_opening();
   known_.reserve(4096);
   result_.samples.reserve(4096);
-  std::vector<Square> stack;
+  // Coarse cells first: if the finest ones are too many (kDeepCells), they are so far away, and what
+  // is near has been resolved before.
+  std::deque<Square> queue;
   for (int chart = 0; chart < static_cast<int>(result_.charts.size()); ++chart) {
-    for (int i = base_; i-- > 0;) {
-      for (int j = base_; j-- > 0;) {
-        stack.push_back({chart, i * kFinest, j * kFinest, kFinest, 0});
+    for (int i = 0; i < base_; ++i) {
+      for (int j = 0; j < base_; ++j) {
+        queue.push_back({chart, i * kFinest, j * kFinest, kFinest, 0});
       }
     }
-    // Chart by chart, in a fixed order.
-    while (!stack.empty()) {
-      if (evaluate_.budget().exhausted()) return std::move(result_);
-      const Square c = stack.back();
-      stack.pop_back();
-      ++seen_;
-      View view = look(c);
-      const Verdict verdict = judge(c, view);
-      if (verdict == Verdict::discard) {
-        ++result_.discarded;
-      } else if (verdict == Verdict::keep) {
-        keep(c, view);
-      } else {
-        const int half = c.size / 2;
-        for (const int i : {half, 0}) {
-          for (const int j : {half, 0}) {
-            stack.push_back({c.chart, c.i + i, c.j + j, half, c.depth + 1});
-          }
+  }
+  while (!queue.empty()) {
+    if (evaluate_.budget().exhausted()) return std::move(result_);
+    const Square c = queue.front();
+    queue.pop_front();
+    ++seen_;
+    View view = look(c);
+    const Verdict verdict = judge(c, view);
+    if (verdict == Verdict::discard) {
+      ++result_.discarded;
+    } else if (verdict == Verdict::keep) {
+      keep(c, view);
+    } else {
+      const int half = c.size / 2;
+      for (const int i : {0, half}) {
+        for (const int j : {0, half}) {
+          queue.push_back({c.chart, c.i + i, c.j + j, half, c.depth + 1});
         }
       }
     }

@@ -24,14 +24,12 @@ void expect_sound(const solver::OpticalSystem& system, const solver::ContourResu
 double largest_chord_error(const solver::OpticalSystem& system, const solver::Curve& curve,
                            int samples = 5);
 
-/// Connected components of { E = level, sign a = parity } on mirror `surface`, lit on `side`, by
-/// marching over an n × n grid on each chart: a brute-force count for comparison. Components in
-/// one chart only: give shapes with a single chart that does not wrap around in the scene.
-struct GridCount {
-  int components = 0;
-  std::vector<geometry::Vec2> places;  ///< on the receiver, one for each component
-};
-GridCount count_on_grid(const solver::OpticalSystem& system, int surface, int side, double level,
-                        int parity, int n);
+/// Places of { E = level, sign a = parity } on mirror `surface` lit on `side`:
+/// changes of sign on the edges of an n × n grid on each chart, bisected. What a complete trace passes.
+std::vector<solver::FieldPoint> points_on_grid(const solver::OpticalSystem& system, int surface,
+                                               int side, double level, int parity, int n);
+
+/// From a point of the receiver to the polyline.
+double distance_to(const solver::Curve& curve, const geometry::Vec2& q);
 
 }  // namespace caustic::test
