@@ -1,5 +1,7 @@
 // Predictor of the curve: one step of ẋ = t(x), |t| = 1, by an embedded Runge–Kutta pair of order
 // 5(4) with dense output (Dormand & Prince, as Boost.Odeint has it).
+// Measured (tests/bench/README.md): at the accuracy that Newton's method wants, corrected after each step,
+// 193 evaluations a loop leave 9e-8 m, Adams–Bashforth–Moulton of order 8 leaves 4e-6 m with 205.
 #pragma once
 
 #include <memory>
