@@ -10,7 +10,7 @@ namespace caustic::geometry {
 namespace {
 
 // The last radius of an ellipsoidal conic, where its slope is infinite, is left out by this share
-// of its square; aspheric terms have no continuation beyond.
+// of its square.
 constexpr double kRimShare = 1e-8;
 // A point whose height gives w to within so much lies on the surface.
 constexpr double kSurfaceShare = 1e-13;
@@ -22,22 +22,36 @@ struct Sag {
   std::vector<double> terms;
 
   std::array<double, 4> at(double u) const {
-    return with_root(u, std::sqrt(std::max(1.0 - kappa * u, kRimShare)));
+    std::array<double, 4> s = base(std::min(u, last()));
+    if (u > last()) {
+      const double du = u - last();
+      s[0] += du * (s[1] + 0.5 * du * (s[2] + du * s[3] / 3.0));
+      s[1] += du * (s[2] + 0.5 * du * s[3]);
+      s[2] += du * s[3];
+    }
+    return with_terms(u, s);
   }
   /// The same at height z. On the surface √w = 1 − κ(z − Σ …)/c: next to the last radius w is lost
   /// to rounding, but its root is not if it comes from the height.
   std::array<double, 4> at(double u, double z) const {
     double sum = 0.0;
     for (std::size_t i = terms.size(); i-- > 0;) sum = sum * u + terms[i];
-    const double w = std::max(1.0 - kappa * u, kRimShare);
     const double root = 1.0 - kappa / c * (z - u * u * sum);
-    const bool on_surface = root > 0.0 && std::abs(root * root - w) <= kSurfaceShare;
-    return with_root(u, on_surface ? root : std::sqrt(w));
+    const bool on_surface =
+        u < last() && root > 0.0 && std::abs(root * root - (1.0 - kappa * u)) <= kSurfaceShare;
+    return on_surface ? with_terms(u, with_root(u, root)) : at(u);
   }
+  /// Where the base conic has its last radius, less kRimShare. Beyond, its Taylor series of third
+  /// order continues it: a wall, so that curves and rays find the rim from either side.
+  double last() const { return kappa > 0.0 ? (1.0 - kRimShare) / kappa : kInfinity; }
+
+  std::array<double, 4> base(double u) const { return with_root(u, std::sqrt(1.0 - kappa * u)); }
   std::array<double, 4> with_root(double u, double root) const {
     const double w = root * root;
-    std::array<double, 4> s{c * u / (1.0 + root), 0.5 * c / root, 0.25 * c * kappa / (w * root),
-                            0.375 * c * kappa * kappa / (w * w * root)};
+    return {c * u / (1.0 + root), 0.5 * c / root, 0.25 * c * kappa / (w * root),
+            0.375 * c * kappa * kappa / (w * w * root)};
+  }
+  std::array<double, 4> with_terms(double u, std::array<double, 4> s) const {
     double sum[4] = {};
     for (std::size_t i = terms.size(); i-- > 0;) {  // Horner for Σ A u^i and its derivatives
       for (int d = 3; d > 0; --d) sum[d] = sum[d] * u + d * sum[d - 1];
@@ -53,8 +67,8 @@ struct Sag {
   // Enclosure of the d-th derivative over 0 <= lo <= u <= hi: each power and each derivative of the
   // base conic is monotone.
   Range range(int d, double lo, double hi) const {
-    const Sag base{c, kappa, {}};
-    const double b0 = base.at(lo)[d], b1 = base.at(hi)[d];
+    const Sag conic{c, kappa, {}};
+    const double b0 = conic.at(lo)[d], b1 = conic.at(hi)[d];
     Range sum{std::min(b0, b1), std::max(b0, b1)};
     double magnitude = std::max(std::abs(b0), std::abs(b1));
     const int first = std::max(0, d - 2);  // lower terms vanish
@@ -82,8 +96,8 @@ Range product(const Range& a, const Range& b) {
 // g = z − S(r²).
 class Asphere final : public Surface {
  public:
-  Asphere(const Point& vertex, const Mat3& axes, Sag sag, double last_radius)
-      : o_(vertex), axes_(axes), sag_(std::move(sag)), last_(last_radius) {}
+  Asphere(const Point& vertex, const Mat3& axes, Sag sag)
+      : o_(vertex), axes_(axes), sag_(std::move(sag)), last_(std::sqrt(sag_.last())) {}
 
   double value(const Point& x) const override {
     const Vec3 y = local(x);
@@ -117,16 +131,14 @@ class Asphere final : public Surface {
 
   void crossings(const Ray& ray, double t0, double t1, RayParameters& out) const override {
     const Along h(*this, ray);
-    if (!h.clip(t0, t1)) return;
     const std::size_t first = out.size();
-    isolated_roots(Height{h}, t0, t1, out);
+    isolated_roots(Height{h}, t0 - h.shift, t1 - h.shift, out);
     h.unshift(out, first);
   }
   void stationary(const Ray& ray, double t0, double t1, RayParameters& out) const override {
     const Along h(*this, ray);
-    if (!h.clip(t0, t1)) return;
     const std::size_t first = out.size();
-    isolated_roots(Slope{h}, t0, t1, out);
+    isolated_roots(Slope{h}, t0 - h.shift, t1 - h.shift, out);
     h.unshift(out, first);
   }
 
@@ -169,11 +181,11 @@ class Asphere final : public Surface {
   // h(τ) = z(τ) − S(u(τ)) along a ray; u is a parabola in τ, z a line. τ counts from the point nearest
   // to the vertex, so that u0 and u1 stay small for rays that come from afar.
   struct Along {
-    double shift, z0, z1, u0, u1, u2, last;
+    double shift, z0, z1, u0, u1, u2;
     const Sag& sag;
 
     Along(const Asphere& s, const Ray& ray)
-        : shift(ray.nearest(s.o_)), last(s.last_), sag(s.sag_) {
+        : shift(ray.nearest(s.o_)), sag(s.sag_) {
       const Vec3 y = s.local(ray.at(shift)), d = s.axes_.transpose() * ray.direction;
       z0 = y.z();
       z1 = d.z();
@@ -224,23 +236,6 @@ class Asphere final : public Surface {
       const double da = du(a), db = du(b);
       const Range p3 = product(s3, {da * da * da, db * db * db}), p2 = product(s2, {da, db});
       return {-p3.hi - 6.0 * u2 * p2.hi, -p3.lo - 6.0 * u2 * p2.lo};
-    }
-    // Shifts [t0, t1] and restricts it to where u(t) <= last²; false if nothing is left.
-    bool clip(double& t0, double& t1) const {
-      t0 -= shift;
-      t1 -= shift;
-      if (std::isfinite(last)) {
-        const double limit = last * last;
-        if (u2 == 0.0) {
-          if (u0 > limit) return false;
-        } else {
-          const double disc = u1 * u1 - 4.0 * u2 * (u0 - limit);
-          if (disc <= 0.0) return false;
-          t0 = std::max(t0, (-u1 - std::sqrt(disc)) / (2.0 * u2));
-          t1 = std::min(t1, (-u1 + std::sqrt(disc)) / (2.0 * u2));
-        }
-      }
-      return t0 < t1;
     }
     void unshift(RayParameters& out, std::size_t first) const {
       for (std::size_t i = first; i < out.size(); ++i) out[i] += shift;
@@ -312,8 +307,7 @@ SurfacePtr make_conic(const Point& vertex, const Direction& axis, double radius_
     return pure_conic(vertex, axes, radius_of_curvature, conic_constant);
   }
   const double c = 1.0 / radius_of_curvature, kappa = (1.0 + conic_constant) * c * c;
-  const double last = kappa > 0.0 ? std::sqrt((1.0 - kRimShare) / kappa) : kInfinity;
-  return std::make_shared<Asphere>(vertex, axes, Sag{c, kappa, aspheric}, last);
+  return std::make_shared<Asphere>(vertex, axes, Sag{c, kappa, aspheric});
 }
 
 }  // namespace caustic::geometry

@@ -357,6 +357,28 @@ const auto kName = [](const auto& spec) { return spec.param.name; };
 INSTANTIATE_TEST_SUITE_P(Shapes, EverySurface, testing::ValuesIn(test::shape_zoo()), kName);
 INSTANTIATE_TEST_SUITE_P(Shapes, Crossings, testing::ValuesIn(test::shape_zoo()), kName);
 
+// A ray that moves across the rim of an asphere: its crossing leaves the surface there, and goes on
+// nearby as one that the surface's own bound excludes.
+TEST(Asphere, CrossingsDoNotVanishAtTheRim) {
+  const auto surface = make_conic(Point::Zero(), {0, 0, 1}, 1.0, 0.5, {0.02, -0.01});
+  const Bound rim = surface->own_bounds().at(0);
+  const double height = surface->charts(test::extent_about(Point::Zero(), 2.0))[0].point(1.0, 0.5).z();
+  for (const Vec3& direction : {Vec3(0.1, 0, 1), Vec3(0.5, 0, 1), Vec3(0.3, 0.4, -1)}) {
+    for (const double beyond : {-1e-3, -1e-6, -1e-9, 1e-9, 1e-6, 1e-3}) {
+      const Point at(rim.radius + beyond, 0, height);
+      std::vector<double> found;
+      surface->crossings({at - direction, direction}, 0.0, 2.0, found);
+      double nearest = kInfinity;
+      for (const double t : found) {
+        const Point x = at + (t - 1.0) * direction;
+        nearest = std::min(nearest, std::abs(rim.value(x)));
+        EXPECT_LT(std::abs(surface->value(x)), 1e-6);
+      }
+      EXPECT_LT(nearest, 2.0 * std::abs(beyond)) << direction.transpose() << " " << beyond;
+    }
+  }
+}
+
 TEST(Convexity, IsKnownForTheShapesThatPayForIt) {
   EXPECT_TRUE(make_sphere(Point::Zero(), 1.0)->convex(1));
   EXPECT_FALSE(make_sphere(Point::Zero(), 1.0)->convex(-1));
