@@ -133,7 +133,16 @@ double Visibility::clearance(const Segment& segment, int index) const {
 
   const Place end = place(1.0);
   double ends = end.distance;
-  if (segment.end_moves) meet(end, slope_rise(end));
+  if (!segment.end_moves) {
+    // A light does not cross the surface, but near it the segment may come to touch: not before it
+    // has turned about the light into the surface's tangent plane there.
+    Place light = end;
+    const double sine = std::abs(end.d.gradient.dot(along)) / end.d.gradient.norm();
+    light.distance = std::max(end.distance, length * sine);
+    meet(light, slope_rise(light));
+  } else {
+    meet(end, slope_rise(end));
+  }
   if (!own) {
     const Place origin = place(0.0);
     ends = std::min(ends, origin.distance);
