@@ -38,8 +38,9 @@ constexpr double kRadiusFactor = 1.3;
 constexpr double kOpeningShare = 0.5;
 // A cell must be smaller than this many distances from a point source, to see σ vary.
 constexpr double kSourceShare = 0.7;
-// After so many cells only boundaries and fields are refined: a scene that needs more is degenerate.
+// After so many cells nothing is refined further than this: a scene that needs more is degenerate.
 constexpr std::size_t kDeepCells = 20000;
+constexpr int kLateDepth = 4;
 
 constexpr int kFinest = 1 << kImageDepth;
 
@@ -203,7 +204,7 @@ bool Explorer::near_source(const View& view) const {
 }
 
 Explorer::Verdict Explorer::judge(const Square& c, View& view) {
-  const int deepest = seen_ < kDeepCells ? kImageDepth : kFieldDepth;
+  const int deepest = seen_ < kDeepCells ? kImageDepth : kLateDepth;
   const Point& middle = view(result_, 4).x;
   if (outside(middle, view.radius)) return Verdict::discard;
   for (const auto& bound : map_.mirror().bounds) view.cut |= bound.value(middle) > -view.radius;
@@ -259,7 +260,7 @@ Explorer::Verdict Explorer::judge(const Square& c, View& view) {
   if (c.depth < deepest && std::hypot(u.width(), v.width()) > kImageShare * window_) {
     return Verdict::refine;
   }
-  if (c.depth < kFieldDepth && varies(view)) return Verdict::refine;
+  if (c.depth < std::min(kFieldDepth, deepest) && varies(view)) return Verdict::refine;
   if (c.depth < kBoundaryDepth && view.cut) return Verdict::refine;
   if (c.depth < kBoundaryDepth) {
     const double hidden = hidden_share(view);
