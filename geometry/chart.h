@@ -1,10 +1,12 @@
 // A chart maps the unit square onto a part of a surface. Exploration subdivides the square; points
-// lie on the surface to rounding.
+// lie on the surface to rounding, unless outside of the chart's cell.
 #pragma once
 
 #include <cmath>
 #include <functional>
+#include <vector>
 
+#include "geometry/aperture.h"
 #include "geometry/linear.h"
 
 namespace caustic::geometry {
@@ -12,6 +14,9 @@ namespace caustic::geometry {
 struct Chart {
   /// (s, t) in [0,1]² → a point of the surface.
   std::function<Point(double s, double t)> point;
+  /// Half-spaces inside of which the chart counts; charts of one surface meet there without a gap.
+  /// Points outside go on smoothly, but may lie off the surface. Empty: all of the square counts.
+  std::vector<Bound> cell = {};
 };
 
 /// What charts have to cover: a bounded box, resolved to `scale` about `focus` and coarser away
