@@ -66,10 +66,10 @@ struct Sag {
   }
   // Enclosure of the d-th derivative over 0 <= lo <= u <= hi: each power and each derivative of the
   // base conic is monotone.
-  Range range(int d, double lo, double hi) const {
+  Interval range(int d, double lo, double hi) const {
     const Sag conic{c, kappa, {}};
     const double b0 = conic.at(lo)[d], b1 = conic.at(hi)[d];
-    Range sum{std::min(b0, b1), std::max(b0, b1)};
+    Interval sum{std::min(b0, b1), std::max(b0, b1)};
     double magnitude = std::max(std::abs(b0), std::abs(b1));
     const int first = std::max(0, d - 2);  // lower terms vanish
     double lo_power = std::pow(lo, first + 2 - d), hi_power = std::pow(hi, first + 2 - d);
@@ -87,11 +87,6 @@ struct Sag {
     return {sum.lo - slack, sum.hi + slack};
   }
 };
-
-Range product(const Range& a, const Range& b) {
-  const double v[4] = {a.lo * b.lo, a.lo * b.hi, a.hi * b.lo, a.hi * b.hi};
-  return {*std::min_element(v, v + 4), *std::max_element(v, v + 4)};
-}
 
 // g = z − S(r²).
 class Asphere final : public Surface {
@@ -143,9 +138,19 @@ class Asphere final : public Surface {
   }
 
   bool convex(int) const override { return false; }
+  SurfaceEnclosure enclose(const IntervalVec3& x) const override {
+    const IntervalVec3 y = transposed(axes_, x - o_);
+    const Interval u = sqr(y[0]) + sqr(y[1]);
+    const Interval s0 = sag_.range(0, u.lo, u.hi), s1 = sag_.range(1, u.lo, u.hi);
+    const Interval s2 = sag_.range(2, u.lo, u.hi);
+    SurfaceEnclosure e{y[2] - s0, {-2.0 * s1 * y[0], -2.0 * s1 * y[1], 1.0}, {}};
+    e.hessian = {-4.0 * s2 * sqr(y[0]) - 2.0 * s1, -4.0 * s2 * y[0] * y[1], 0.0,
+                 -4.0 * s2 * sqr(y[1]) - 2.0 * s1, 0.0, 0.0};
+    return rotated(e, axes_);
+  }
   Box bounds() const override {
     if (!std::isfinite(last_)) return {};
-    const Range z = sag_.range(0, 0.0, last_ * last_);
+    const Interval z = sag_.range(0, 0.0, last_ * last_);
     return Box::around(o_, std::hypot(last_, std::max(std::abs(z.lo), std::abs(z.hi))));
   }
   std::vector<Bound> own_bounds() const override {
@@ -195,9 +200,9 @@ class Asphere final : public Surface {
     }
     double u(double t) const { return std::max(0.0, u0 + t * (u1 + t * u2)); }
     double du(double t) const { return u1 + 2.0 * u2 * t; }
-    Range u_range(double a, double b) const {
+    Interval u_range(double a, double b) const {
       const double ua = u(a), ub = u(b);
-      Range r{std::min(ua, ub), std::max(ua, ub)};
+      Interval r{std::min(ua, ub), std::max(ua, ub)};
       if (du(a) < 0.0 && du(b) > 0.0) r.lo = std::max(0.0, u0 - 0.25 * u1 * u1 / u2);
       return {r.lo * (1.0 - 1e-14), r.hi * (1.0 + 1e-14)};
     }
@@ -211,30 +216,30 @@ class Asphere final : public Surface {
       const auto s = sag.at(u(t));
       return -du(t) * (s[3] * du(t) * du(t) + 6.0 * s[2] * u2);
     }
-    Range value_range(double a, double b) const {
-      const Range u_ab = u_range(a, b), s = sag.range(0, u_ab.lo, u_ab.hi);
+    Interval value_range(double a, double b) const {
+      const Interval u_ab = u_range(a, b), s = sag.range(0, u_ab.lo, u_ab.hi);
       const double za = z0 + z1 * a, zb = z0 + z1 * b;
       const double slack = 1e-15 * (std::abs(z0) + std::abs(za) + std::abs(zb));
       return {std::min(za, zb) - s.hi - slack, std::max(za, zb) - s.lo + slack};
     }
-    Range slope_range(double a, double b) const {
-      const Range u_ab = u_range(a, b), s = sag.range(1, u_ab.lo, u_ab.hi);
-      const Range p = product(s, {du(a), du(b)});
+    Interval slope_range(double a, double b) const {
+      const Interval u_ab = u_range(a, b), s = sag.range(1, u_ab.lo, u_ab.hi);
+      const Interval p = s * Interval(du(a), du(b));
       return {z1 - p.hi, z1 - p.lo};
     }
-    Range bend_range(double a, double b) const {
-      const Range u_ab = u_range(a, b), s1 = sag.range(1, u_ab.lo, u_ab.hi);
-      const Range s2 = sag.range(2, u_ab.lo, u_ab.hi);
+    Interval bend_range(double a, double b) const {
+      const Interval u_ab = u_range(a, b), s1 = sag.range(1, u_ab.lo, u_ab.hi);
+      const Interval s2 = sag.range(2, u_ab.lo, u_ab.hi);
       const double da = du(a) * du(a), db = du(b) * du(b);
       const bool turns = du(a) < 0.0 && du(b) > 0.0;
-      const Range p = product(s2, {turns ? 0.0 : std::min(da, db), std::max(da, db)});
+      const Interval p = s2 * Interval(turns ? 0.0 : std::min(da, db), std::max(da, db));
       return {-p.hi - 2.0 * u2 * s1.hi, -p.lo - 2.0 * u2 * s1.lo};
     }
-    Range twist_range(double a, double b) const {
-      const Range u_ab = u_range(a, b), s2 = sag.range(2, u_ab.lo, u_ab.hi);
-      const Range s3 = sag.range(3, u_ab.lo, u_ab.hi);
+    Interval twist_range(double a, double b) const {
+      const Interval u_ab = u_range(a, b), s2 = sag.range(2, u_ab.lo, u_ab.hi);
+      const Interval s3 = sag.range(3, u_ab.lo, u_ab.hi);
       const double da = du(a), db = du(b);
-      const Range p3 = product(s3, {da * da * da, db * db * db}), p2 = product(s2, {da, db});
+      const Interval p3 = s3 * Interval(da * da * da, db * db * db), p2 = s2 * Interval(da, db);
       return {-p3.hi - 6.0 * u2 * p2.hi, -p3.lo - 6.0 * u2 * p2.lo};
     }
     void unshift(RayParameters& out, std::size_t first) const {
@@ -247,18 +252,18 @@ class Asphere final : public Surface {
     double f(double t) const { return h.value(t); }
     double df(double t) const { return h.slope(t); }
     double ddf(double t) const { return h.bend(t); }
-    Range range_f(double a, double b) const { return h.value_range(a, b); }
-    Range range_df(double a, double b) const { return h.slope_range(a, b); }
-    Range range_ddf(double a, double b) const { return h.bend_range(a, b); }
+    Interval range_f(double a, double b) const { return h.value_range(a, b); }
+    Interval range_df(double a, double b) const { return h.slope_range(a, b); }
+    Interval range_ddf(double a, double b) const { return h.bend_range(a, b); }
   };
   struct Slope {
     const Along& h;
     double f(double t) const { return h.slope(t); }
     double df(double t) const { return h.bend(t); }
     double ddf(double t) const { return h.twist(t); }
-    Range range_f(double a, double b) const { return h.slope_range(a, b); }
-    Range range_df(double a, double b) const { return h.bend_range(a, b); }
-    Range range_ddf(double a, double b) const { return h.twist_range(a, b); }
+    Interval range_f(double a, double b) const { return h.slope_range(a, b); }
+    Interval range_df(double a, double b) const { return h.bend_range(a, b); }
+    Interval range_ddf(double a, double b) const { return h.twist_range(a, b); }
   };
 
   Point o_;

@@ -20,6 +20,9 @@ class Plane final : public Surface {
   Vec3 third_derivative(const Point&, const Vec3&, const Vec3&) const override {
     return Vec3::Zero();
   }
+  SurfaceEnclosure enclose(const IntervalVec3& x) const override {
+    return {dot(n_, x - p_), intervals(n_), packed(Mat3::Zero())};
+  }
   bool at_most_quadratic() const override { return true; }
 
   void crossings(const Ray& ray, double t0, double t1, RayParameters& out) const override {

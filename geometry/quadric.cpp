@@ -40,6 +40,16 @@ class Quadric final : public Surface {
   Vec3 third_derivative(const Point&, const Vec3&, const Vec3&) const override {
     return Vec3::Zero();
   }
+  SurfaceEnclosure enclose(const IntervalVec3& x) const override {
+    const IntervalVec3 y = x - o_, Ay = A_ * y;
+    const Interval squares =
+        A_(0, 0) * sqr(y[0]) + A_(1, 1) * sqr(y[1]) + A_(2, 2) * sqr(y[2]);
+    const Interval products =
+        A_(0, 1) * (y[0] * y[1]) + A_(0, 2) * (y[0] * y[2]) + A_(1, 2) * (y[1] * y[2]);
+    return {0.5 * squares + products + dot(b_, y) + k_,
+            {Ay[0] + b_[0], Ay[1] + b_[1], Ay[2] + b_[2]},
+            packed(A_)};
+  }
   bool at_most_quadratic() const override { return true; }
 
   void crossings(const Ray& ray, double t0, double t1, RayParameters& out) const override {

@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "geometry/interval.h"
+
 namespace caustic::geometry {
 
 /// c[0] + c[1] t + … + c[degree] t^degree, degree ≤ 4.
@@ -79,21 +81,15 @@ double illinois_root(const F& f, const Done& done, double a, double b, double fa
 /// or may not be listed (rounding decides). Identically zero polynomials have no roots here.
 void real_roots(const Polynomial& p, double t0, double t1, std::vector<double>& out);
 
-/// An enclosure of values.
-struct Range {
-  double lo, hi;
-  bool contains_zero() const { return lo <= 0.0 && hi >= 0.0; }
-};
-
 /// A function with two derivatives, as values f(t), df(t), ddf(t) and as enclosures over intervals.
 template <class F>
 concept EnclosedFunction = requires(const F& h, double t) {
   { h.f(t) } -> std::convertible_to<double>;
   { h.df(t) } -> std::convertible_to<double>;
   { h.ddf(t) } -> std::convertible_to<double>;
-  { h.range_f(t, t) } -> std::convertible_to<Range>;
-  { h.range_df(t, t) } -> std::convertible_to<Range>;
-  { h.range_ddf(t, t) } -> std::convertible_to<Range>;
+  { h.range_f(t, t) } -> std::convertible_to<Interval>;
+  { h.range_df(t, t) } -> std::convertible_to<Interval>;
+  { h.range_ddf(t, t) } -> std::convertible_to<Interval>;
 };
 
 /// All roots of h in [t0, t1], appended in increasing order. Subintervals are halved until h has no

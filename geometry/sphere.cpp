@@ -26,6 +26,12 @@ class Sphere final : public Surface {
   Vec3 third_derivative(const Point&, const Vec3&, const Vec3&) const override {
     return Vec3::Zero();
   }
+  SurfaceEnclosure enclose(const IntervalVec3& x) const override {
+    const IntervalVec3 y = x - c_;
+    return {(squared_norm(y) - sqr(r_)) / (2.0 * r_),
+            {y[0] / r_, y[1] / r_, y[2] / r_},
+            packed(Mat3::Identity() / r_)};
+  }
   bool at_most_quadratic() const override { return true; }
 
   void crossings(const Ray& ray, double t0, double t1, RayParameters& out) const override {

@@ -11,6 +11,7 @@
 
 #include "geometry/aperture.h"
 #include "geometry/chart.h"
+#include "geometry/enclosure.h"
 #include "geometry/linear.h"
 #include "geometry/pose.h"
 
@@ -36,6 +37,8 @@ class Surface {
   virtual SurfaceDerivatives derivatives(const Point& x) const = 0;
   /// Σ_jk g_ijk u_j v_k, the third derivative contracted twice. Zero for planes and quadrics.
   virtual Vec3 third_derivative(const Point& x, const Vec3& u, const Vec3& v) const = 0;
+  /// Ranges of g, ∇g and the Hessian over a box, up to the rounding of the surface's own constants.
+  virtual SurfaceEnclosure enclose(const IntervalVec3& x) const = 0;
   /// True if the third derivative vanishes identically.
   virtual bool at_most_quadratic() const = 0;
 

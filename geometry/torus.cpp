@@ -39,6 +39,20 @@ class Torus final : public Surface {
     const Vec3 y = x - c_;
     return 8.0 * scale_ * (y.dot(u) * v + y.dot(v) * u + u.dot(v) * y);
   }
+  SurfaceEnclosure enclose(const IntervalVec3& x) const override {
+    const IntervalVec3 y = x - c_, in_plane = P_ * y;
+    const Interval w = squared_norm(y) + Interval(R_ - r_) * (R_ + r_), RR = sqr(R_);
+    const Interval rho = sqrt(squared_norm(in_plane));
+    SurfaceEnclosure e;
+    e.g = scale_ * (sqr(dot(a_, y)) + sqr(rho - R_) - sqr(r_)) * (w + 2.0 * R_ * rho);
+    for (int i = 0; i < 3; ++i) e.gradient[i] = scale_ * (4.0 * w * y[i] - 8.0 * RR * in_plane[i]);
+    for (int k = 0; k < 6; ++k) {
+      const auto [i, j] = kPackedIndices[k];
+      const Interval yy = i == j ? sqr(y[i]) + 0.5 * w : y[i] * y[j];
+      e.hessian[k] = scale_ * (8.0 * (yy - RR * P_(i, j)));
+    }
+    return e;
+  }
   bool at_most_quadratic() const override { return false; }
 
   void crossings(const Ray& ray, double t0, double t1, RayParameters& out) const override {

@@ -183,8 +183,8 @@ struct Enclosed {
     for (std::size_t i = 1; i < p.size(); ++i) d.push_back(static_cast<double>(i) * p[i]);
     return d;
   }
-  static Range range(const std::vector<double>& p, double a, double b) {
-    Range sum{0.0, 0.0};
+  static Interval range(const std::vector<double>& p, double a, double b) {
+    Interval sum{0.0, 0.0};
     double magnitude = 0.0;
     for (std::size_t i = 0; i < p.size(); ++i) {
       const int n = static_cast<int>(i);
@@ -200,9 +200,9 @@ struct Enclosed {
   double f(double t) const { return value(c, t); }
   double df(double t) const { return value(derived(c), t); }
   double ddf(double t) const { return value(derived(derived(c)), t); }
-  Range range_f(double a, double b) const { return ++intervals, range(c, a, b); }
-  Range range_df(double a, double b) const { return range(derived(c), a, b); }
-  Range range_ddf(double a, double b) const { return range(derived(derived(c)), a, b); }
+  Interval range_f(double a, double b) const { return ++intervals, range(c, a, b); }
+  Interval range_df(double a, double b) const { return range(derived(c), a, b); }
+  Interval range_ddf(double a, double b) const { return range(derived(derived(c)), a, b); }
 };
 
 Enclosed enclosed_with_roots(const std::vector<double>& roots) {

@@ -125,6 +125,53 @@ TEST_P(EverySurface, ChartPointsLieOnTheSurface) {
   }
 }
 
+// A box of half size `half` about x.
+IntervalVec3 box_about(const Point& x, double half) { return intervals(Box::around(x, half)); }
+
+TEST_P(EverySurface, EnclosuresHoldWhatTheyEnclose) {
+  for (const Point& on : points(20)) {
+    const double half = random_.log_uniform(1e-6, 1.0);
+    const Point middle = on + random_.in_cube(2.0 * half);
+    const SurfaceEnclosure e = surface_->enclose(box_about(middle, half));
+    for (int i = 0; i < 50; ++i) {
+      const Point x = middle + random_.in_cube(half);
+      // The Hessian of an asphere knows its surface's height: on it only is it the derivative.
+      if (!exists_at(surface_->own_bounds(), x, -0.01)) continue;
+      const auto d = surface_->derivatives(x);
+      const double slack = 1e-13 * (1.0 + x.squaredNorm()) * (1.0 + d.hessian.norm());
+      const auto holds = [&](const Interval& range, double value) {
+        return Interval(range.lo - slack, range.hi + slack).contains(value);
+      };
+      EXPECT_TRUE(holds(e.g, d.g)) << e.g.lo << " " << e.g.hi << " " << d.g;
+      for (int k = 0; k < 3; ++k) EXPECT_TRUE(holds(e.gradient[k], d.gradient[k])) << k;
+      for (int k = 0; k < 6; ++k) {
+        const auto [row, column] = kPackedIndices[k];
+        EXPECT_TRUE(holds(e.hessian[k], d.hessian(row, column))) << row << column;
+      }
+    }
+  }
+}
+
+TEST_P(EverySurface, EnclosuresShrinkWithTheBox) {
+  for (const Point& x : points(20)) {
+    if (!regular(x)) continue;
+    const auto width = [&](double half) {
+      const SurfaceEnclosure e = surface_->enclose(box_about(x, half));
+      Eigen::Matrix<double, 10, 1> widths;
+      widths[0] = e.g.width();
+      for (int k = 0; k < 3; ++k) widths[1 + k] = e.gradient[k].width();
+      for (int k = 0; k < 6; ++k) widths[4 + k] = e.hessian[k].width();
+      return widths.maxCoeff();
+    };
+    const double wide = width(1e-3), narrow = width(1e-5);
+    EXPECT_LT(narrow, 0.02 * wide + 1e-11);
+    // g is enclosed about as narrowly as it varies term by term.
+    const auto d = surface_->derivatives(x);
+    const double slope = 1.0 + d.gradient.norm() + d.hessian.norm() * (x - center()).norm();
+    EXPECT_LT(surface_->enclose(box_about(x, 1e-5)).g.width(), 1e-5 * 16.0 * slope);
+  }
+}
+
 // Distance from x to the nearest point of a chart: damped Gauss–Newton in the unit square from the
 // best samples of a grid.
 double distance_to_chart(const Chart& chart, const Point& x) {
