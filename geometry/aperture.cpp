@@ -37,6 +37,15 @@ double Bound::lower_bound_within(double value, double r) const {
   return 0.5 * (nearest * nearest / radius - radius);
 }
 
+double Bound::largest_in(const Box& box) const {
+  double largest = -kInfinity;
+  for (int corner = 0; corner < 8; ++corner) {
+    const auto side = [&](int i) { return corner >> i & 1 ? box.max[i] : box.min[i]; };
+    largest = std::max(largest, value({side(0), side(1), side(2)}));
+  }
+  return largest;
+}
+
 std::vector<Bound> box_aperture(const Point& min, const Point& max) {
   std::vector<Bound> bounds;
   for (int i = 0; i < 3; ++i) {

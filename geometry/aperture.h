@@ -31,6 +31,8 @@ struct Bound {
   double distance(const Point& x) const;
   /// Smallest value that the function can have within `r` of a point where it is `value`.
   double lower_bound_within(double value, double r) const;
+  /// Largest value in a bounded box: at one of its corners, since every kind is convex.
+  double largest_in(const Box& box) const;
 };
 
 /// Bounds of a user's aperture. Lengths in metres, world coordinates.

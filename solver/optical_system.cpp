@@ -7,6 +7,19 @@ namespace {
 // An unbounded surface exists inside a ball this many diameters of the rest of the scene (api.md).
 constexpr double kClipDiameters = 1e3;
 
+// A bound that admits all that the others leave is none: exploration and tracing need not ask it,
+// and no curve ends there.
+void drop_idle_bounds(SystemSurface& surface) {
+  auto& bounds = surface.bounds;
+  for (std::size_t i = 0; i < bounds.size();) {
+    const geometry::Bound bound = bounds[i];
+    bounds.erase(bounds.begin() + static_cast<std::ptrdiff_t>(i));
+    const auto rest = surface.shape->bounds().intersected(geometry::box_of(bounds));
+    if (rest.bounded() && !rest.empty() && bound.largest_in(rest) <= 0.0) continue;
+    bounds.insert(bounds.begin() + static_cast<std::ptrdiff_t>(i++), bound);
+  }
+}
+
 void include(geometry::Box& box, const geometry::Point& x) {
   box = {box.min.cwiseMin(x), box.max.cwiseMax(x)};
 }
@@ -26,6 +39,7 @@ OpticalSystem OpticalSystem::build(Light light, std::vector<SystemSurface> surfa
   if (const auto* point = std::get_if<PointLight>(&light)) include(scene, point->position);
   for (SystemSurface& surface : surfaces) {
     for (const auto& bound : surface.shape->own_bounds()) surface.bounds.push_back(bound);
+    drop_idle_bounds(surface);
     surface.region = surface.shape->bounds().intersected(geometry::box_of(surface.bounds));
     if (surface.region.bounded() && !surface.region.empty()) {
       include(scene, surface.region.min);

@@ -20,7 +20,9 @@ struct Optics {
 struct SystemSurface {
   std::string name;
   geometry::SurfacePtr shape;
-  std::vector<geometry::Bound> bounds;  ///< the user's aperture; build() adds shape and clip bounds
+  /// The user's aperture. build() adds bounds of the shape and of the clip ball, and drops those
+  /// that cut nothing off.
+  std::vector<geometry::Bound> bounds;
   Optics optics;
   geometry::Box region{};  ///< set by build(): box of the part that exists
 };

@@ -47,6 +47,28 @@ TEST(Bound, SignGradientAndSlope) {
   }
 }
 
+TEST(Bound, LargestInABoxIsReachedAndNeverExceeded) {
+  Random random(5);
+  for (int i = 0; i < 100; ++i) {
+    for (const Bound& b : bounds_of_each_kind(random)) {
+      const Point one = random.in_cube(2.0), other = random.in_cube(2.0);
+      const Box box{one.cwiseMin(other), one.cwiseMax(other)};
+      const double largest = b.largest_in(box);
+      double sampled = -kInfinity;
+      for (int k = 0; k < 1000; ++k) {
+        Point x;
+        for (int c = 0; c < 3; ++c) {
+          const double w = random.uniform();
+          x[c] = k % 2 ? (w < 0.5 ? box.min[c] : box.max[c])
+                       : box.min[c] + w * (box.max[c] - box.min[c]);
+        }
+        sampled = std::max(sampled, b.value(x));
+      }
+      EXPECT_NEAR(sampled, largest, 1e-12);
+    }
+  }
+}
+
 TEST(Bound, LowerBoundIsOne) {
   Random random(2);
   for (int i = 0; i < 300; ++i) {
