@@ -17,13 +17,17 @@ class Domain {
   int size() const { return bound_count() + 6; }
   /// h at a point, a length; ≤ 0 inside.
   double value(int i, const FieldPoint& f) const;
+  /// h as a function of the place alone, where it is one: aperture bounds; null otherwise.
+  const geometry::Bound* bound(int i) const { return i < bound_count() ? &bounds_[i] : nullptr; }
   /// ∇h; its part along the surface is what counts.
   Vec3 gradient(int i, const FieldPoint& f) const;
   /// ∇h·t for a direction t in the surface, with dq = M t.
   double slope(int i, const FieldPoint& f, const Vec3& t, const Vec2& dq) const;
-  /// Largest slope inside the domain; infinite where none is known.
-  double steepest(int i) const {
-    return i <= bound_count() + 1 && i != bound_count() ? 1.0 : geometry::kInfinity;
+  /// What h changes no faster than: the place x, its image q, or neither.
+  enum class Slope { of_place, of_image, unknown };
+  Slope slope_bound(int i) const {
+    if (i == bound_count()) return Slope::unknown;
+    return i <= bound_count() + 1 ? Slope::of_place : Slope::of_image;
   }
   Ending ending(int i) const;
   /// True for the ball in which unbounded surfaces exist.

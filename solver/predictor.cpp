@@ -31,10 +31,10 @@ Predictor::Step Predictor::attempt(const Point& x0, const Vec3& t0, double ds) {
   State& s = *state_;
   bool usable = true;
   const auto rhs = [&](const Vec3& x, Vec3& t, double) {
-    if (!usable || !s.field.direction(x, t)) {
-      usable = false;
-      t = t0;
-    }
+    // The last stage is asked for at the step's own end.
+    const bool at_end = &x == &s.end;
+    usable = usable && (at_end ? s.field.direction_at_end(x, t) : s.field.direction(x, t));
+    if (!usable) t = t0;
   };
   Vec3 error = Vec3::Zero();
   s.begin = x0;

@@ -15,6 +15,11 @@ class DirectionField {
  public:
   virtual ~DirectionField() = default;
   virtual bool direction(const geometry::Point& x, geometry::Vec3& t) = 0;
+  /// The direction at the end of a step. That of a corrected point next to x will do as well: error
+  /// estimate and dense output feel the difference in a higher order only.
+  virtual bool direction_at_end(const geometry::Point& x, geometry::Vec3& t) {
+    return direction(x, t);
+  }
 };
 
 class Predictor {

@@ -15,7 +15,8 @@ namespace {
 
 // Predictor's error per unit of arc. Newton squares it, so one correction reaches rounding.
 constexpr double kPredictorError = 1e-5;
-// Largest turn of the tangent in one step, so that no step can hide a loop: cos 0.5.
+// Largest turn of the tangent in one step, so that no step can hide a loop, and its cosine.
+constexpr double kMaxTurn = 0.5;
 constexpr double kMinTurnCosine = 0.8775825618903728;
 // The corrector may move a point by this share of the step; more means another branch.
 constexpr double kTrustShare = 0.05;
@@ -24,6 +25,8 @@ constexpr double kTrustShare = 0.05;
 constexpr double kPositionShare = 1e-7;
 // Largest motion on the receiver in one step, in widths of it.
 constexpr double kMaxReceiverStep = 0.5;
+// A step's length is at most this share of what its limits allow, lest it be tried in vain.
+constexpr double kStepSafety = 0.9;
 // Steps shorter than this many roundings of x are a stall.
 constexpr double kMinStepRoundings = 1e3;
 // Share of the chord tolerance that is used, since the estimate is of third order only.
@@ -87,6 +90,14 @@ class Tracer final : public DirectionField {
     t = sign_ * level_.tangent(f);
     return f.finite && t.squaredNorm() > 0.5;
   }
+  // The corrector works where the predictor asks for its last stage, which costs no evaluation
+  // then.
+  bool direction_at_end(const Point& x, Vec3& t) override {
+    arrived_ =
+        correct(evaluate_, level_, x, {options_.residual, kPositionShare * ds_, kTrustShare * ds_});
+    if (arrived_) t = sign_ * level_.tangent(*arrived_);
+    return arrived_.has_value();
+  }
 
   // Tangents point the way of the positive direction, whichever way we go.
   void append(const FieldPoint& f, Trace& out) {
@@ -102,6 +113,7 @@ class Tracer final : public DirectionField {
     return {f, t, f.push_forward(t), s, false};
   }
   std::optional<Node> advance(const Node& from);
+  double allowance(const Node& from, const Node& to) const;
   std::optional<Node> between(const Node& a, const Node& b, double s);
   double split(const Node& a, const Node& b) const;
   std::optional<Node> cusp_between(const Node& a, const Node& b);
@@ -109,6 +121,7 @@ class Tracer final : public DirectionField {
   std::optional<Stop> accept(const Node& a, const Node& b, Trace& out);
   Stop stop_at_stall(const Node& last) const;
   bool closes(const Node& a, const Node& b);
+  bool in_reach(int boundary, const Node& a, const Node& b);
   std::optional<double> leaves(int boundary, const Node& a, const Node& b);
   FieldPoint end_between(int boundary, const Node& a, const Node& b);
 
@@ -120,9 +133,18 @@ class Tracer final : public DirectionField {
   double sign_ = 1.0;
   double ds_ = 0.0;        // next step
   double step_ = 0.0;      // length of the step that the predictor holds
+  std::optional<FieldPoint> arrived_;  // the corrected end of that step
+  std::vector<double> room_;           // how far inside each boundary the last vertex is at least
   Node start_;
   std::size_t accepted_ = 0;
 };
+
+// How many times as long the step could have been for its turn and its motion on the receiver.
+double Tracer::allowance(const Node& from, const Node& to) const {
+  const double turn = std::acos(std::clamp(to.t.dot(from.t), -1.0, 1.0));
+  const double motion = (to.f.q - from.f.q).norm() / evaluate_.map().receiver().width();
+  return 1.0 / std::max({turn / kMaxTurn, motion / kMaxReceiverStep, 1e-3});
+}
 
 // One corrected step from `from`, as long as error, turn and motion on the receiver allow.
 std::optional<Node> Tracer::advance(const Node& from) {
@@ -130,25 +152,19 @@ std::optional<Node> Tracer::advance(const Node& from) {
   while (ds_ > kMinStepRoundings * rounding) {
     const auto step = predictor_.attempt(from.f.x, from.t, ds_);
     double factor = 0.25;
-    if (step.usable) {
+    if (step.usable && arrived_->facing * from.f.facing > 0.0) {
       const double allowed = std::max(kPredictorError * ds_, 4.0 * rounding);
-      factor = std::clamp(0.9 * std::pow(allowed / std::max(step.error, 1e-300), 0.2), 0.2, 3.0);
-      if (step.error <= allowed) {
-        const auto f = correct(evaluate_, level_, step.end, {options_.residual, kPositionShare * ds_, kTrustShare * ds_});
-        if (f && f->facing * from.f.facing > 0.0) {
-          Node to = node(*f, ds_);
-          const bool short_enough =
-              (to.f.q - from.f.q).norm() <= kMaxReceiverStep * evaluate_.map().receiver().width();
-          if (to.t.dot(from.t) >= kMinTurnCosine && short_enough) {
-            step_ = ds_;
-            ds_ *= factor;
-            return to;
-          }
-        }
-        factor = 0.5;
+      factor = kStepSafety * std::pow(allowed / std::max(step.error, 1e-300), 0.2);
+      const Node to = node(*arrived_, ds_);
+      const double most = allowance(from, to);
+      factor = std::clamp(std::min(factor, kStepSafety * most), 0.2, 3.0);
+      if (step.error <= allowed && most >= 1.0) {
+        step_ = ds_;
+        ds_ *= factor;
+        return to;
       }
     }
-    ds_ *= std::min(factor, 0.5);
+    ds_ *= std::min(factor, kStepSafety);
   }
   return std::nullopt;
 }
@@ -242,11 +258,29 @@ bool Tracer::closes(const Node& a, const Node& b) {
   return at && (at->f.x - x0).norm() <= kClosureShare * length + 1e3 * rounding;
 }
 
+// May the curve meet boundary i between a and b, the next two vertices? Not while it has moved less
+// than it was inside when last asked, where that bounds the change of h.
+bool Tracer::in_reach(int i, const Node& a, const Node& b) {
+  const double ds = b.s - a.s;
+  double beyond = geometry::kInfinity;  // what the cubic through both ends rises above them at most
+  if (domain_.slope_bound(i) == Domain::Slope::of_place) {
+    room_[i] -= ds;
+    beyond = 0.25 * ds;
+  } else if (domain_.slope_bound(i) == Domain::Slope::of_image) {
+    beyond = 0.25 * ds * std::sqrt(std::max(a.dq.squaredNorm(), b.dq.squaredNorm()));
+    room_[i] -= (b.f.q - a.f.q).norm() + beyond;
+  } else {
+    return true;
+  }
+  if (room_[i] > 0.0) return false;
+  room_[i] = -domain_.value(i, b.f);
+  return std::max(domain_.value(i, a.f), -room_[i]) + beyond >= 0.0;
+}
+
 // Arc at which the curve is certainly beyond boundary i, if it gets there between a and b. A rise
 // and fall inside the step shows in the cubic through both ends.
 std::optional<double> Tracer::leaves(int i, const Node& a, const Node& b) {
   const double ha = domain_.value(i, a.f), hb = domain_.value(i, b.f), ds = b.s - a.s;
-  if (std::max(ha, hb) + 0.25 * domain_.steepest(i) * ds < 0.0) return std::nullopt;
   const double da = domain_.slope(i, a.f, a.t, a.dq) * ds, db = domain_.slope(i, b.f, b.t, b.dq) * ds;
   // Two boundaries may coincide; the one that was located first keeps the end.
   const double fuzz = 16.0 * evaluate_.map().rounding(b.f.x) * (1.0 + std::abs(db) / ds);
@@ -300,6 +334,7 @@ std::optional<Stop> Tracer::accept(const Node& a, const Node& b, Trace& out) {
   int boundary = -1;
   Node end = b;
   for (int i = 0; i < domain_.size(); ++i) {
+    if (!in_reach(i, a, b)) continue;
     const auto beyond = leaves(i, a, end);
     if (!beyond) continue;
     Node outside = end;
@@ -325,6 +360,7 @@ Stop Tracer::follow(const FieldPoint& seed, double sign, Trace& out) {
   sign_ = sign;
   ds_ = options_.first_step;
   accepted_ = 0;
+  room_.assign(static_cast<std::size_t>(domain_.size()), 0.0);
   start_ = node(seed, 0.0);
   if (const auto stop = stop_at_start(start_)) return *stop;
 
