@@ -1,5 +1,6 @@
 #include "solver/contour_task.h"
 
+#include <algorithm>
 #include <optional>
 
 #include "solver/corrector.h"
@@ -14,6 +15,11 @@ constexpr double kSpeckShare = 1e-2;
 // Shares of the seed's cell: first step, and how near to the curve the corrector brings the seed.
 constexpr double kFirstStepShare = 0.25;
 constexpr double kSeedPosition = 1e-9;
+// A seed this near to its curve by Newton's step, as a share of its cell, is off by this share of
+// the step at most; and this is the least cosine between tangents of one curve there.
+constexpr double kNewtonShare = 0.2;
+constexpr double kNewtonError = 0.2;
+constexpr double kAlong = 0.9;
 
 // What is kept of a traced curve to tell seeds that lie on it: places and unit tangents, close in
 // memory, before visibility cuts it.
@@ -21,16 +27,35 @@ struct Track {
   std::vector<Point> x;
   std::vector<Vec3> t;
   bool closed;
+  double longest = 1e-300;  // distance of neighbours
+
+  explicit Track(const Trace& trace) : t(trace.tangents), closed(trace.closed) {
+    for (const CurveVertex& v : trace.vertices) {
+      if (!x.empty()) longest = std::max(longest, (v.x - x.back()).norm());
+      x.push_back(v.x);
+    }
+  }
+  // The vertex nearest to y. From one that is further off than the best so far by some lengths no
+  // fewer vertices lead to a better one.
+  std::size_t nearest(const Point& y) const {
+    std::size_t best = 0;
+    double least = geometry::kInfinity;
+    for (std::size_t i = 0; i < x.size();) {
+      const double d = (x[i] - y).norm();
+      if (d < least) {
+        least = d;
+        best = i;
+      }
+      i += 1 + static_cast<std::size_t>(std::min((d - least) / longest, 1e9));
+    }
+    return best;
+  }
 };
-Track track_of(const Trace& trace) {
-  Track track{{}, trace.tangents, trace.closed};
-  for (const CurveVertex& v : trace.vertices) track.x.push_back(v.x);
-  return track;
-}
 
 // A point against the cubic through two vertices with their tangents.
 struct Gap {
   Point foot;
+  Vec3 t;  // about the tangent there
   double off, sagitta;
 };
 std::optional<Gap> gap_to_cubic(const Track& track, std::size_t i, std::size_t j, const Point& x) {
@@ -41,39 +66,57 @@ std::optional<Gap> gap_to_cubic(const Track& track, std::size_t i, std::size_t j
   const Vec3 bulge = (length * w * v * v) * (track.t[i] - chord / length) -
                      (length * w * w * v) * (track.t[j] - chord / length);
   const Point foot = a + w * chord + bulge;
-  return Gap{foot, (x - foot).norm(), bulge.norm() + 1e-3 * length * w * v};
+  return Gap{foot, v * track.t[i] + w * track.t[j], (x - foot).norm(),
+             bulge.norm() + 1e-3 * length * w * v};
 }
 
-// Is a seed on a curve that has been traced? Surely within a twentieth of the sagitta from the cubic,
-// since that is off by a fourth order only, and a curve that passes nearer does so elsewhere too; up
-// to some sagittas the corrector tells, from the cubic's point next to the seed.
-bool visited(const std::vector<Track>& tracks, const FieldPoint& seed, double fuzz,
-             Evaluator& evaluate, const LevelFunction& level) {
+// Is `same` true of x and a track next to it: of the nearest vertex, or one of the cubics that end
+// there?
+template <class Same>
+bool on_a_track(const std::vector<Track>& tracks, const Point& x, const Same& same) {
   for (const Track& track : tracks) {
-    const std::size_t n = track.x.size();
-    std::size_t nearest = 0;
-    double least = geometry::kInfinity;
-    for (std::size_t i = 0; i < n; ++i) {
-      const double d = (track.x[i] - seed.x).squaredNorm();
-      if (d < least) {
-        least = d;
-        nearest = i;
-      }
-    }
-    if (least <= fuzz * fuzz) return true;
+    const std::size_t n = track.x.size(), nearest = track.nearest(x);
+    const Point& vertex = track.x[nearest];
+    if (same(Gap{vertex, track.t[nearest], (x - vertex).norm(), 0.0})) return true;
     for (const std::size_t begin : {(nearest + n - 1) % n, nearest}) {
       if (!track.closed && begin == n - 1) continue;
-      const auto gap = gap_to_cubic(track, begin, (begin + 1) % n, seed.x);
-      if (!gap || gap->off > 4.0 * gap->sagitta + fuzz) continue;
-      if (gap->off <= 0.05 * gap->sagitta + fuzz) return true;
-      const auto on_curve = correct(evaluate, level, gap->foot,
-                                    {1e-12, geometry::kInfinity, 2.0 * gap->off});
-      if (!on_curve) continue;
-      const Vec3 apart = on_curve->x - seed.x, t = level.tangent(seed);
-      if ((apart - t * t.dot(apart)).norm() <= 0.2 * gap->off + fuzz) return true;
+      const auto gap = gap_to_cubic(track, begin, (begin + 1) % n, x);
+      if (gap && same(*gap)) return true;
     }
   }
   return false;
+}
+
+// Is a seed on a curve that has been traced? Surely within a twentieth of the sagitta from the
+// cubic, since that is off by a fourth order only, and a curve that passes nearer does so elsewhere
+// too; up to some sagittas the corrector tells, from the cubic's point next to the seed.
+bool visited(const std::vector<Track>& tracks, const FieldPoint& seed, double fuzz,
+             Evaluator& evaluate, const LevelFunction& level) {
+  return on_a_track(tracks, seed.x, [&](const Gap& gap) {
+    if (gap.off > 4.0 * gap.sagitta + fuzz) return false;
+    if (gap.off <= 0.05 * gap.sagitta + fuzz) return true;
+    const auto on_curve =
+        correct(evaluate, level, gap.foot, {1e-12, geometry::kInfinity, 2.0 * gap.off});
+    if (!on_curve) return false;
+    const Vec3 apart = on_curve->x - seed.x, t = level.tangent(seed);
+    return (apart - t * t.dot(apart)).norm() <= 0.2 * gap.off + fuzz;
+  });
+}
+
+// The same of a seed not yet settled: Newton's step from it leads to a track, which runs the way
+// its own curve does. Another curve of the level just there would run the other way, since f
+// changes its sign between neighbours.
+bool leads_to_track(const std::vector<Track>& tracks, const Seed& seed,
+                    const LevelFunction& level) {
+  const Vec3 slope = level.gradient(seed.at), t = level.tangent(seed.at);
+  const Vec3 step = -(level.value(seed.at) / slope.squaredNorm()) * slope;
+  const double length = step.norm();
+  if (!(length <= kNewtonShare * seed.reach)) return false;
+  return on_a_track(tracks, seed.at.x, [&](const Gap& gap) {
+    if (gap.sagitta == 0.0 || gap.t.dot(t) < kAlong) return false;
+    const Vec3 apart = gap.foot - seed.at.x - step;
+    return (apart - t * t.dot(apart)).norm() <= kNewtonError * length + 0.05 * gap.sagitta;
+  });
 }
 
 // The seed on its curve and inside the domain or on its boundary.
@@ -111,7 +154,7 @@ void run(ContourTask& task, Budget& budget, double chord, double residual) {
   for (const Seed& seed : task.seeds) {
     if (budget.exhausted()) break;
     // At a silhouette where a vanishes too all levels meet, and none can be followed.
-    if (!seed.at.lit()) continue;
+    if (!seed.at.lit() || leads_to_track(tracks, seed, task.level)) continue;
     const auto f = settle(seed, evaluate, *task.field, task.level, residual);
     if (!f) {
       ++task.lost_seeds;
@@ -123,7 +166,7 @@ void run(ContourTask& task, Budget& budget, double chord, double residual) {
     const TraceOptions options{chord, residual, kFirstStepShare * seed.reach};
     Trace trace = trace_contour(evaluate, task.field->domain, task.level, *f, options);
     if (trace.vertices.size() < 2) continue;
-    tracks.push_back(track_of(trace));
+    tracks.emplace_back(trace);
     if (!task.field->visibility) {
       if (!speck(trace, chord)) task.traces.push_back(std::move(trace));
       continue;
