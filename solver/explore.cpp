@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <memory_resource>
 #include <unordered_map>
 
@@ -25,7 +26,7 @@ constexpr int kPoleDepth = 5;      // some rays leave the receiver's plane
 constexpr int kImageDepth = 24;    // the image is coarse against the window, or the light is near
 // The image of a cell inside the window: at most this share of the window's diagonal.
 constexpr double kImageShare = 0.2;
-// Largest difference between the middle and the mean of the corners, as a share of the largest.
+// Largest difference between a corner and what gradients predict there, as a share of the largest.
 constexpr double kFieldVariation = 0.2;
 constexpr double kImageVariation = 0.1;
 // How far beyond the samples of a cell its values may reach, in their spread.
@@ -110,6 +111,7 @@ class Explorer {
   std::pmr::monotonic_buffer_resource memory_;
   std::pmr::unordered_map<std::uint64_t, int> known_{&memory_};
   std::pmr::unordered_map<int, bool> hidden_known_{&memory_};
+  std::pmr::map<std::array<int, 3>, Corner> crossings_{&memory_};  // by both samples and boundary
 };
 
 // Outside the aperture for sure? The bounds are 1-Lipschitz.
@@ -174,28 +176,31 @@ double Explorer::hidden_share(const View& view) {
   return hidden / 5.0;
 }
 
-// a, σ and q against the mean of the corners. Where a is all rounding there is nothing to resolve.
+// a, σ and q at the corners against what the gradients there and in the middle predict, to third
+// order. Linear and quadratic changes are seen by seeding as they are, whose tests use the same
+// gradients; so a cell is only refined for more. Where a is all rounding there is nothing to
+// resolve.
 bool Explorer::varies(const View& view) const {
   int degenerate = 0;
   for (int k = 0; k < 5; ++k) degenerate += view(result_, k).looks_degenerate();
   if (degenerate >= 4) return false;
-  double a = 0, flux = 0, a_max = 0, flux_max = 0;
-  Vec2 q = Vec2::Zero();
+  const FieldPoint& m = view(result_, 4);
+  double a_max = 0, flux_max = 0, a_off = 0, flux_off = 0, q_off = 0;
   Span u, v;
   for (int k = 0; k < 4; ++k) {
     const FieldPoint& f = view(result_, k);
-    a += 0.25 * f.a;
-    flux += 0.25 * f.flux;
-    q += 0.25 * f.q;
+    const Vec3 dx = f.x - m.x;
+    a_off = std::max(a_off, std::abs(f.a - m.a - 0.5 * (f.grad_a + m.grad_a).dot(dx)));
+    flux_off =
+        std::max(flux_off, std::abs(f.flux - m.flux - 0.5 * (f.grad_flux + m.grad_flux).dot(dx)));
+    q_off = std::max(q_off, (f.q - m.q - 0.5 * (f.push_forward(dx) + m.push_forward(dx))).norm());
     a_max = std::max(a_max, std::abs(f.a));
     flux_max = std::max(flux_max, std::abs(f.flux));
     u.include(f.q.x());
     v.include(f.q.y());
   }
-  const FieldPoint& m = view(result_, 4);
-  return std::abs(m.a - a) > kFieldVariation * a_max ||
-         std::abs(m.flux - flux) > kFieldVariation * flux_max ||
-         (m.q - q).norm() > kImageVariation * std::hypot(u.width(), v.width());
+  return a_off > kFieldVariation * a_max || flux_off > kFieldVariation * flux_max ||
+         q_off > kImageVariation * std::hypot(u.width(), v.width());
 }
 
 bool Explorer::near_source(const View& view) const {
@@ -269,14 +274,19 @@ Explorer::Verdict Explorer::judge(const Square& c, View& view) {
   return Verdict::keep;
 }
 
-// Where the edge between two corners crosses a boundary of the domain.
+// Where the edge between two corners crosses a boundary of the domain; once for both of its cells.
 Corner Explorer::crossing(int boundary, int chart, const Corner& a, const Corner& b) {
   const auto place = [&](double w) {
     return Vec2(a.s + w * (b.s - a.s), a.t + w * (b.t - a.t));
   };
+  const auto [lo, hi] = std::minmax(a.sample, b.sample);
+  const auto [known, fresh] = crossings_.try_emplace(std::array{lo, hi, boundary}, Corner{});
+  if (!fresh) return known->second;
+  const geometry::Bound* bound = domain_.bound(boundary);
   const auto value = [&](double w) {
     const Vec2 at = place(w);
-    return domain_.value(boundary, evaluate_(result_.charts[chart].point(at.x(), at.y())));
+    const Point x = result_.charts[chart].point(at.x(), at.y());
+    return bound ? bound->value(x) : domain_.value(boundary, evaluate_(x));
   };
   const double ha = domain_.value(boundary, result_.samples[a.sample]);
   const double hb = domain_.value(boundary, result_.samples[b.sample]);
@@ -287,7 +297,8 @@ Corner Explorer::crossing(int boundary, int chart, const Corner& a, const Corner
         value, [&](double, double v) { return std::abs(v) <= small; }, 0.0, 1.0, ha, hb);
   }
   const Vec2 at = place(w);
-  return {at.x(), at.y(), add_sample(result_, evaluate_, chart, at.x(), at.y())};
+  known->second = {at.x(), at.y(), add_sample(result_, evaluate_, chart, at.x(), at.y())};
+  return known->second;
 }
 
 // The part of a polygon inside the domain, boundary by boundary; new corners lie on the boundary.
