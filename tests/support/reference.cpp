@@ -2,16 +2,15 @@
 
 #include <algorithm>
 #include <array>
-#include <boost/multiprecision/cpp_bin_float.hpp>
 #include <cmath>
 #include <tuple>
+
+#include "tests/support/reference_real.h"
 
 namespace caustic::test {
 
 namespace {
 
-namespace mp = boost::multiprecision;
-using Real = mp::number<mp::cpp_bin_float<50>, mp::et_off>;
 using Kind = ShapeSpec::Kind;
 
 template <class T>
@@ -247,6 +246,11 @@ class FieldReference {
 };
 
 }  // namespace
+
+RealImplicit reference_implicit(const ShapeSpec& spec, const std::array<Real, 3>& x) {
+  const auto at = implicit<Real>(spec, x);
+  return {at.value, at.gradient};
+}
 
 ReferenceShape reference_shape(const ShapeSpec& spec, const Point& point) {
   const V<Real> x = from<Real>(point);
