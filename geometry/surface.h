@@ -85,4 +85,15 @@ struct QuadricResult {
 };
 QuadricResult make_quadric(const std::array<double, 10>& coefficients, const Pose& pose);
 
+/// Radius Σ profile[i] (z/height)^i at height z in [0, height] along the axis, at most kMaxProfileDegree + 1
+/// coefficients in metres. It must be positive between the ends, where it may be zero: `surface` is
+/// null, and `fault` says why, if it is not.
+constexpr int kMaxProfileDegree = 20;
+struct RevolutionResult {
+  SurfacePtr surface;
+  std::string fault;
+};
+RevolutionResult make_revolution(const Point& origin, const Direction& axis, double height,
+                                 const std::vector<double>& profile);
+
 }  // namespace caustic::geometry

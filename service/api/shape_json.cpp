@@ -92,12 +92,27 @@ SurfacePtr read_conic(const ShapeContext& in) {
   return geometry::make_conic(vertex, axis, radius, conic_constant, aspheric);
 }
 
+SurfacePtr read_revolution(const ShapeContext& in) {
+  const Vec3 origin = in.point("origin"), axis = in.direction("axis");
+  const double height = in.length("height");
+  const auto place = in.shape.member("profile");
+  if (!place) return nullptr;
+  std::vector<double> profile;
+  for (const JsonPlace& c :
+       read_elements(*place, geometry::kMaxProfileDegree + 1, in.shape.faults()))
+    profile.push_back(in.metres * read_number(c, kAnyNumber, in.shape.faults()));
+  if (!in.sound()) return nullptr;
+  auto [surface, fault] = geometry::make_revolution(origin, axis, height, profile);
+  if (!surface) in.shape.faults().add(place->pointer, fault);
+  return surface;
+}
+
 using ShapeReader = SurfacePtr (*)(const ShapeContext&);
 
 constexpr std::pair<const char*, ShapeReader> kShapes[] = {
     {"plane", read_plane},     {"sphere", read_sphere},     {"ellipsoid", read_ellipsoid},
     {"quadric", read_quadric}, {"cylinder", read_cylinder}, {"cone", read_cone},
-    {"torus", read_torus},     {"conic", read_conic},       {"revolution", nullptr},
+    {"torus", read_torus},     {"conic", read_conic},       {"revolution", read_revolution},
     {"sag", nullptr},          {"expression", nullptr}};
 
 std::vector<std::string> shape_names() {

@@ -121,6 +121,14 @@ TEST(SceneJson, refuses_shapes_that_are_none) {
        "minor_radius"},
       {R"({"type":"conic","vertex":[0,0,0],"axis":[0,0,1],"radius_of_curvature":0,"conic_constant":0})",
        "radius_of_curvature"},
+      {R"({"type":"revolution","origin":[0,0,0],"axis":[0,0,1],"height":0,"profile":[1]})", "height"},
+      {R"({"type":"revolution","origin":[0,0,0],"axis":[0,0,0],"height":1,"profile":[1]})", "axis"},
+      {R"({"type":"revolution","origin":[0,0,0],"axis":[0,0,1],"height":1,"profile":[1,-2]})",
+       "profile"},
+      {R"({"type":"revolution","origin":[0,0,0],"axis":[0,0,1],"height":1,"profile":[]})", "profile"},
+      {R"({"type":"revolution","origin":[0,0,0],"axis":[0,0,1],"height":1,"profile":[1,"x"]})",
+       "profile/1"},
+      {R"({"type":"revolution","origin":[0,0,0],"axis":[0,0,1],"height":1})", "profile"},
       {R"({"type":"cube"})", "type"},
       {R"({"type":7})", "type"},
   };
@@ -133,7 +141,6 @@ TEST(SceneJson, refuses_shapes_that_are_none) {
 TEST(SceneJson, says_what_this_version_lacks) {
   const std::pair<const char*, const char*> cases[] = {
       {"/scene/light", R"({"type":"photometric_file","content":"x"})"},
-      {"/scene/surfaces/0/shape", R"({"type":"revolution","height":2})"},
       {"/scene/surfaces/0/shape", R"({"type":"sag"})"},
       {"/scene/surfaces/0/shape", R"({"type":"expression","expression":"x"})"},
       {"/scene/surfaces/0/optics", R"({"type":"refract","index_inside":1.3})"},
@@ -169,7 +176,8 @@ TEST(SceneJson, reads_every_shape) {
        R"({"type":"cylinder","point":[0,0,0],"axis":[0,0,1],"radius":1})",
        R"({"type":"cone","point":[0,0,0],"axis":[0,0,1],"half_angle_degrees":30})",
        R"({"type":"torus","center":[0,0,0],"axis":[0,0,1],"major_radius":2,"minor_radius":1})",
-       R"({"type":"conic","vertex":[0,0,0],"axis":[0,0,1],"radius_of_curvature":-2,"conic_constant":-1,"aspheric":[0.01]})"})
+       R"({"type":"conic","vertex":[0,0,0],"axis":[0,0,1],"radius_of_curvature":-2,"conic_constant":-1,"aspheric":[0.01]})",
+       R"({"type":"revolution","origin":[0,0,0],"axis":[0,0,1],"height":2,"profile":[0.47,3.9,-9.78,5.8]})"})
     EXPECT_EQ(pointers_of(with_shape(shape)), Pointers{}) << shape;
 }
 
@@ -192,6 +200,8 @@ TEST(SceneJson, converts_lengths_once) {
        {0, 3, 0}},
       {R"({"type":"conic","vertex":[0,0,0],"axis":[0,0,1],"radius_of_curvature":2,"conic_constant":-1,"aspheric":[0.125,0.25]})",
        {1, 0, 0.25 + 0.125 + 0.25}},
+      {R"({"type":"revolution","origin":[0,0,1],"axis":[0,0,1],"height":2,"profile":[1,2,4]})",
+       {0, 3, 2}},
   };
   for (const auto& [unit, metres] : units) {
     for (const Case& c : cases) {

@@ -14,7 +14,7 @@ using test::Random;
 using test::ReferenceScene;
 using test::ShapeSpec;
 
-// Sanitizers slow 50-digit arithmetic tenfold. Quadrics and conics come in twenty classes each.
+// Sanitizers slow 50-digit arithmetic tenfold. Quadrics, conics and freeforms come in many classes each.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr int kPoints = 40, kPointsOfClass = 20;
 #else
@@ -93,7 +93,8 @@ class AgainstReference : public testing::TestWithParam<std::tuple<ShapeSpec, boo
 TEST_P(AgainstReference, MagnificationFluxAndGradients) {
   const auto& [shape, point_light] = GetParam();
   const bool has_classes =
-      shape.kind == ShapeSpec::Kind::quadric || shape.kind == ShapeSpec::Kind::conic;
+      shape.kind == ShapeSpec::Kind::quadric || shape.kind == ShapeSpec::Kind::conic ||
+      shape.kind == ShapeSpec::Kind::revolution;
   Random random(point_light ? 1001 : 1000);
   const Worst worst = compare(shape, point_light, has_classes ? kPointsOfClass : kPoints, random);
   EXPECT_LT(worst.q, kTolerance);

@@ -94,6 +94,15 @@ Implicit<T> implicit_local(const ShapeSpec& s, const V<T>& x) {
     return {z - sag, axis - slope_over_rho * across};
   }
   const V<T> out = T(1 / rho) * across;
+  if (s.kind == Kind::revolution) {
+    T radius(0), slope(0), power(1);  // powers summed upwards, where the program goes down by Horner
+    for (std::size_t i = 0; i < s.profile.size(); ++i) {
+      radius += T(s.profile[i]) * power;
+      if (i + 1 < s.profile.size()) slope += T(s.profile[i + 1]) * static_cast<int>(i + 1) * power;
+      power *= z / T(s.radius);
+    }
+    return {rho - radius, out - T(slope / T(s.radius)) * axis};
+  }
   if (s.kind == Kind::cylinder) return {rho - T(s.radius), out};
   if (s.kind == Kind::cone) {
     const T c = cos(T(s.radius)), k = sin(T(s.radius));

@@ -27,6 +27,7 @@ geometry::SurfacePtr build(const ShapeSpec& s) {
     case Kind::cone: return geometry::make_cone(point, axis, s.radius);
     case Kind::torus: return geometry::make_torus(point, axis, s.radius, s.second);
     case Kind::conic: return geometry::make_conic(point, axis, s.radius, s.second, s.aspheric);
+    case Kind::revolution: return geometry::make_revolution(point, axis, s.radius, s.profile).surface;
     case Kind::quadric: break;
   }
   const auto result = geometry::make_quadric(s.coefficients, s.pose);
@@ -107,6 +108,13 @@ std::vector<ShapeSpec> make_zoo() {
            .aspheric = {0.05, -0.02, 0.004}});
     }
   }
+
+  add({.name = "revolution_cylinder", .kind = Kind::revolution, .radius = 1.4, .profile = {0.7}});
+  add({.name = "revolution_spike", .kind = Kind::revolution, .radius = 1.5, .profile = {0.0, 0.8}});
+  add({.name = "revolution_vase", .kind = Kind::revolution, .radius = 2.0,
+       .profile = {0.47, 3.90, -9.78, 5.80}});  // [C] ch. 5
+  add({.name = "revolution_lantern", .kind = Kind::revolution, .radius = 1.8,
+       .profile = {0.3, 1.1, 1.2, -6.3, 1.0, 6.2, -2.9}});
   return zoo;
 }
 
@@ -128,6 +136,7 @@ ShapeSpec scaled(const ShapeSpec& spec, double f) {
   for (std::size_t i = 0; i < s.aspheric.size(); ++i) {
     s.aspheric[i] *= std::pow(f, -3.0 - 2.0 * static_cast<double>(i));
   }
+  for (double& c : s.profile) c *= f;
   for (int i = 6; i < 9; ++i) s.coefficients[i] *= f;
   s.coefficients[9] *= f * f;
   return s;

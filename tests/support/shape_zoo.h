@@ -12,7 +12,7 @@
 namespace caustic::test {
 
 struct ShapeSpec {
-  enum class Kind { plane, sphere, ellipsoid, quadric, cylinder, cone, torus, conic };
+  enum class Kind { plane, sphere, ellipsoid, quadric, cylinder, cone, torus, conic, revolution };
 
   std::string name;
   Kind kind = Kind::plane;
@@ -20,10 +20,11 @@ struct ShapeSpec {
   geometry::Direction axis = geometry::Vec3::UnitZ();
   geometry::Mat3 rotation = geometry::Mat3::Identity();  ///< ellipsoid
   geometry::Vec3 semi_axes = geometry::Vec3::Ones();     ///< ellipsoid
-  double radius = 1.0;  ///< sphere, cylinder; half angle of the cone; major one; R of the conic
+  double radius = 1.0;  ///< sphere, cylinder; half angle of the cone; major one; R of the conic; height of the revolution
   double second = 0.0;  ///< minor radius, conic constant
   std::array<double, 10> coefficients{};  ///< quadric
   std::vector<double> aspheric{};         ///< conic
+  std::vector<double> profile{};          ///< revolution
   geometry::Pose pose{};                  ///< x_world = R x + t, applied to all of the above
 };
 
