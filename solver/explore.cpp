@@ -233,15 +233,15 @@ Explorer::Verdict Explorer::judge(const Square& c, View& view) {
   // Light arrives in the window where |P| <= half·|m·D| with P = q (m·D), which is smooth also where
   // rays become parallel to the receiver and q has a pole.
   const Vec2& half = map_.receiver().half;
-  Span cosine, facing, u, v, beyond[4];
+  Span cosine, facing, u, v, beyond[4];  // u and v of the image inside the window
   double behind = geometry::kInfinity;
   const int plane = static_cast<int>(map_.mirror().bounds.size()) + 1;
   for (int k = 0; k < 5; ++k) {
     const FieldPoint& f = view(result_, k);
     cosine.include(f.cos_alpha);
     facing.include(f.facing);
-    u.include(f.q.x());
-    v.include(f.q.y());
+    u.include(std::clamp(f.q.x(), -half.x(), half.x()));
+    v.include(std::clamp(f.q.y(), -half.y(), half.y()));
     for (int i = 0; i < 2; ++i) {
       beyond[2 * i].include((f.q[i] - half[i]) * f.facing);
       beyond[2 * i + 1].include((f.q[i] + half[i]) * f.facing);
