@@ -7,12 +7,16 @@ namespace {
 // An unbounded surface exists inside a ball this many diameters of the rest of the scene (api.md).
 constexpr double kClipDiameters = 1e3;
 
-// A bound that admits all that the others leave is none: exploration and tracing need not ask it,
-// and no curve ends there.
+// A bound of an aperture that admits all that the others leave is none: exploration and tracing need
+// not ask it, and no curve ends there. The shape's own are why its box is no larger: they stay.
 void drop_idle_bounds(SystemSurface& surface) {
   auto& bounds = surface.bounds;
   for (std::size_t i = 0; i < bounds.size();) {
     const geometry::Bound bound = bounds[i];
+    if (bound.origin == geometry::Bound::Origin::shape) {
+      ++i;
+      continue;
+    }
     bounds.erase(bounds.begin() + static_cast<std::ptrdiff_t>(i));
     const auto rest = surface.shape->bounds().intersected(geometry::box_of(bounds));
     if (rest.bounded() && !rest.empty() && bound.largest_in(rest) <= 0.0) continue;

@@ -34,6 +34,16 @@ TEST(OpticalSystem, BoundsThatCutNothingOffAreDropped) {
                exists_at(none, {0, 0, 1}));
 }
 
+// Where the shape itself ends its surface goes on beyond, though its box does not.
+TEST(OpticalSystem, AShapeKeepsItsOwnEnds) {
+  const auto tube = make_revolution({0, 0, 0}, {0, 0, 1}, 2.0, {1.0, 0.1}).surface;
+  const Bound lid = half_space_aperture({0, 0, 3}, {0, 0, 1});
+  const auto bounds = bounds_after_build(tube, {lid});
+  ASSERT_EQ(bounds.size(), 2u);
+  for (const Bound& b : bounds) EXPECT_EQ(b.origin, Bound::Origin::shape);
+  EXPECT_FALSE(exists_at(bounds, {1.2, 0, 2.1}) || exists_at(bounds, {1, 0, -0.1}));
+}
+
 TEST(OpticalSystem, AnUnboundedShapeKeepsWhatBoundsIt) {
   const auto paraboloid = make_conic({0, 0, 0}, {0, 0, 1}, 2.0, -1.0, {});
   EXPECT_EQ(
