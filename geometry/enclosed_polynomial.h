@@ -50,13 +50,19 @@ class EnclosedPolynomial {
   mutable std::array<double, 3> slack_{};
 };
 
-/// The same, its values taken from a formula that rounds less than the expanded polynomial.
+/// The same, its values taken from a formula that rounds less than the expanded polynomial; from
+/// which they differ by at most `rounding` beyond what the polynomial knows of.
 template <class Value>
 struct PolynomialWithValues : EnclosedPolynomial {
-  PolynomialWithValues(const LongPolynomial& p, Value formula)
-      : EnclosedPolynomial(p), value(std::move(formula)) {}
+  PolynomialWithValues(const LongPolynomial& p, Value formula, double more_rounding = 0.0)
+      : EnclosedPolynomial(p), value(std::move(formula)), rounding(more_rounding) {}
   double f(double t) const { return value(t); }
+  Interval range_f(double a, double b) const {
+    const Interval r = EnclosedPolynomial::range_f(a, b);
+    return {r.lo - rounding, r.hi + rounding};
+  }
   Value value;
+  double rounding;
 };
 
 /// Appends the roots of h(τ − shift) in [t0, t1], increasing.

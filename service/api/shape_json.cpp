@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "service/api/sag_json.h"
+
 namespace caustic::service {
 namespace {
 
@@ -107,13 +109,17 @@ SurfacePtr read_revolution(const ShapeContext& in) {
   return surface;
 }
 
+SurfacePtr read_height_field(const ShapeContext& in) {
+  return read_sag(in.shape, in.metres, in.pose);
+}
+
 using ShapeReader = SurfacePtr (*)(const ShapeContext&);
 
 constexpr std::pair<const char*, ShapeReader> kShapes[] = {
     {"plane", read_plane},     {"sphere", read_sphere},     {"ellipsoid", read_ellipsoid},
     {"quadric", read_quadric}, {"cylinder", read_cylinder}, {"cone", read_cone},
     {"torus", read_torus},     {"conic", read_conic},       {"revolution", read_revolution},
-    {"sag", nullptr},          {"expression", nullptr}};
+    {"sag", read_height_field},          {"expression", nullptr}};
 
 std::vector<std::string> shape_names() {
   std::vector<std::string> names;

@@ -141,7 +141,6 @@ TEST(SceneJson, refuses_shapes_that_are_none) {
 TEST(SceneJson, says_what_this_version_lacks) {
   const std::pair<const char*, const char*> cases[] = {
       {"/scene/light", R"({"type":"photometric_file","content":"x"})"},
-      {"/scene/surfaces/0/shape", R"({"type":"sag"})"},
       {"/scene/surfaces/0/shape", R"({"type":"expression","expression":"x"})"},
       {"/scene/surfaces/0/optics", R"({"type":"refract","index_inside":1.3})"},
       {"/scene/surfaces/0/optics", R"({"type":"mirror","n":0.2,"k":3})"},
@@ -177,7 +176,9 @@ TEST(SceneJson, reads_every_shape) {
        R"({"type":"cone","point":[0,0,0],"axis":[0,0,1],"half_angle_degrees":30})",
        R"({"type":"torus","center":[0,0,0],"axis":[0,0,1],"major_radius":2,"minor_radius":1})",
        R"({"type":"conic","vertex":[0,0,0],"axis":[0,0,1],"radius_of_curvature":-2,"conic_constant":-1,"aspheric":[0.01]})",
-       R"({"type":"revolution","origin":[0,0,0],"axis":[0,0,1],"height":2,"profile":[0.47,3.9,-9.78,5.8]})"})
+       R"({"type":"revolution","origin":[0,0,0],"axis":[0,0,1],"height":2,"profile":[0.47,3.9,-9.78,5.8]})",
+       R"({"type":"sag","origin":[0,0,0],"x_axis":[1,0,0],"y_axis":[1,1,0],"kind":"xy_polynomial","terms":[{"i":2,"j":0,"c":0.1}]})",
+       R"({"type":"sag","origin":[0,0,0],"x_axis":[1,0,0],"y_axis":[0,1,0],"kind":"zernike","norm_radius":1,"coefficients":{"4":0.1,"230":0}})"})
     EXPECT_EQ(pointers_of(with_shape(shape)), Pointers{}) << shape;
 }
 
@@ -202,6 +203,10 @@ TEST(SceneJson, converts_lengths_once) {
        {1, 0, 0.25 + 0.125 + 0.25}},
       {R"({"type":"revolution","origin":[0,0,1],"axis":[0,0,1],"height":2,"profile":[1,2,4]})",
        {0, 3, 2}},
+      {R"({"type":"sag","origin":[0,0,1],"x_axis":[2,0,0],"y_axis":[5,1,0],"kind":"xy_polynomial","terms":[{"i":0,"j":0,"c":0.5},{"i":2,"j":1,"c":0.25},{"i":0,"j":1,"c":-1}]})",
+       {2, 1, 1.5}},
+      {R"({"type":"sag","origin":[0,1,0],"x_axis":[1,0,0],"y_axis":[0,1,0],"kind":"zernike","norm_radius":2,"coefficients":{"0":0.5,"1":0.25}})",
+       {0.3, 3, 1}},
   };
   for (const auto& [unit, metres] : units) {
     for (const Case& c : cases) {

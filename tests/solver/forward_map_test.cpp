@@ -94,7 +94,7 @@ TEST_P(AgainstReference, MagnificationFluxAndGradients) {
   const auto& [shape, point_light] = GetParam();
   const bool has_classes =
       shape.kind == ShapeSpec::Kind::quadric || shape.kind == ShapeSpec::Kind::conic ||
-      shape.kind == ShapeSpec::Kind::revolution;
+      shape.kind >= ShapeSpec::Kind::revolution;
   Random random(point_light ? 1001 : 1000);
   const Worst worst = compare(shape, point_light, has_classes ? kPointsOfClass : kPoints, random);
   EXPECT_LT(worst.q, kTolerance);

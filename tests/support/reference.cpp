@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <tuple>
 
 #include "tests/support/reference_real.h"
@@ -45,6 +46,167 @@ struct Implicit {
   V<T> gradient;
 };
 
+// ---- Height fields --------------------------------------------------------------------------------
+
+// A value with its slopes in x and y.
+template <class T>
+struct Sloped {
+  T v, x, y;
+  friend Sloped operator+(const Sloped& a, const Sloped& b) { return {a.v + b.v, a.x + b.x, a.y + b.y}; }
+  friend Sloped operator-(const Sloped& a, const Sloped& b) { return {a.v - b.v, a.x - b.x, a.y - b.y}; }
+  friend Sloped operator*(const Sloped& a, const Sloped& b) {
+    return {a.v * b.v, a.x * b.v + a.v * b.x, a.y * b.v + a.v * b.y};
+  }
+  friend Sloped operator*(const T& k, const Sloped& a) { return {k * a.v, k * a.x, k * a.y}; }
+};
+
+// Zernike's polynomial by Jacobi's recurrence, ρ^m P_k^(0,m)(2ρ² − 1) with k = (n − m)/2, and powers of
+// x + iy, where the program has sums of integers.
+template <class T>
+Sloped<T> zernike_value(int index, const Sloped<T>& x, const Sloped<T>& y) {
+  using std::sqrt;
+  int n = 0;
+  while ((n + 1) * (n + 2) / 2 <= index) ++n;
+  const int m = 2 * index - n * (n + 2), order = std::abs(m), k = (n - order) / 2;
+  const Sloped<T> one{T(1), T(0), T(0)};
+  Sloped<T> re = one, im{T(0), T(0), T(0)};
+  for (int i = 0; i < order; ++i) std::tie(re, im) = std::pair(re * x - im * y, re * y + im * x);
+  const Sloped<T> t = T(2) * (x * x + y * y) - one;
+  Sloped<T> before = one, p = one;
+  for (int i = 1; i <= k; ++i) {
+    const int s = 2 * i + order;
+    Sloped<T> next = one + (T(order + 2) / 2) * (t - one);
+    if (i > 1) {
+      const Sloped<T> linear = T(s - 1) * (T(s * (s - 2)) * t - T(order * order) * one);
+      next = T(T(1) / (2 * i * (i + order) * (s - 2))) *
+             (linear * p - T(2 * (i - 1) * (i + order - 1) * s) * before);
+    }
+    before = p;
+    p = next;
+  }
+  return T(sqrt(T((m == 0 ? 1 : 2) * (n + 1)))) * (p * (m < 0 ? im : re));
+}
+
+// Truncated powers 1, w, …, w⁵, (w − k)₊⁵ at the inner knots, where the program has B-splines; w = u/h − 1
+// in [−1, 1] over n samples. Slopes are in u.
+template <class T>
+std::vector<T> truncated_powers(int n, const T& u, bool slope) {
+  std::vector<T> b;
+  const T h = T(n - 1) / 2;
+  const auto add = [&](const T& w, int p) {
+    T power(1);
+    for (int i = slope ? 1 : 0; i < p; ++i) power *= w;
+    b.push_back(slope ? T(p * power / h) : power);
+  };
+  for (int p = 0; p <= 5; ++p) add(u / h - 1, p);
+  for (int k = 3; k <= n - 4; ++k) add(u > k ? T((u - k) / h) : T(0), 5);
+  return b;
+}
+
+template <class T>
+using TableOf = std::vector<std::vector<T>>;
+using Table = TableOf<Real>;
+
+// X with A X = B, Gauss with pivots.
+Table solved(Table A, Table B) {
+  const std::size_t n = A.size();
+  for (std::size_t k = 0; k < n; ++k) {
+    std::size_t pivot = k;
+    for (std::size_t i = k; i < n; ++i) {
+      if (abs(A[i][k]) > abs(A[pivot][k])) pivot = i;
+    }
+    std::swap(A[k], A[pivot]);
+    std::swap(B[k], B[pivot]);
+    for (std::size_t i = 0; i < n; ++i) {
+      if (i == k) continue;
+      const Real factor = A[i][k] / A[k][k];
+      for (std::size_t j = k; j < n; ++j) A[i][j] -= factor * A[k][j];
+      for (std::size_t j = 0; j < B[i].size(); ++j) B[i][j] -= factor * B[k][j];
+    }
+  }
+  for (std::size_t k = 0; k < n; ++k) {
+    for (Real& b : B[k]) b /= A[k][k];
+  }
+  return B;
+}
+
+// Coefficients of the tensor product of truncated powers through the samples: [along u][along v].
+Table interpolated(const geometry::HeightGrid& grid) {
+  const auto collocation = [](int n) {
+    Table A;
+    for (int i = 0; i < n; ++i) A.push_back(truncated_powers<Real>(n, Real(i), false));
+    return A;
+  };
+  Table samples(grid.ny);
+  for (int j = 0; j < grid.ny; ++j) {
+    for (int i = 0; i < grid.nx; ++i) samples[j].push_back(grid.values[j * grid.nx + i]);
+  }
+  const Table along_v = solved(collocation(grid.ny), samples);
+  Table turned(grid.nx);
+  for (const auto& row : along_v) {
+    for (int i = 0; i < grid.nx; ++i) turned[i].push_back(row[i]);
+  }
+  return solved(collocation(grid.nx), turned);
+}
+
+template <class T>
+const TableOf<T>& spline_table(const geometry::HeightGrid& grid) {
+  static std::map<std::vector<double>, TableOf<T>> known;
+  const auto [entry, fresh] = known.try_emplace(grid.values);
+  if (fresh) {
+    for (const auto& row : interpolated(grid)) {
+      entry->second.emplace_back();
+      for (const Real& c : row) entry->second.back().push_back(static_cast<T>(c));
+    }
+  }
+  return entry->second;
+}
+
+// Height and slopes at (x, y).
+template <class T>
+std::array<T, 3> height(const ShapeSpec& s, const T& x, const T& y) {
+  std::array<T, 3> h{T(0), T(0), T(0)};
+  if (s.kind == Kind::sag) {
+    const auto power = [](const T& t, int p) {
+      T product(1);
+      for (int i = 0; i < p; ++i) product *= t;
+      return product;
+    };
+    for (const auto& [i, j, c] : s.terms) {
+      h[0] += T(c) * power(x, i) * power(y, j);
+      if (i > 0) h[1] += T(c) * i * power(x, i - 1) * power(y, j);
+      if (j > 0) h[2] += T(c) * j * power(x, i) * power(y, j - 1);
+    }
+  } else if (s.kind == Kind::zernike) {
+    const T k = 1 / T(s.radius);
+    for (const auto& [index, c] : s.zernike) {
+      const auto z = zernike_value<T>(index, {x * k, k, T(0)}, {y * k, T(0), k});
+      h[0] += T(c) * z.v;
+      h[1] += T(c) * z.x;
+      h[2] += T(c) * z.y;
+    }
+  } else {
+    const auto& grid = s.grid;
+    const T du = T(grid.nx - 1) / (T(grid.max.x()) - T(grid.min.x()));
+    const T dv = T(grid.ny - 1) / (T(grid.max.y()) - T(grid.min.y()));
+    const T u = (x - T(grid.min.x())) * du, v = (y - T(grid.min.y())) * dv;
+    const auto bu = truncated_powers<T>(grid.nx, u, false), bv = truncated_powers<T>(grid.ny, v, false);
+    const auto su = truncated_powers<T>(grid.nx, u, true), sv = truncated_powers<T>(grid.ny, v, true);
+    const auto& table = spline_table<T>(grid);
+    for (int i = 0; i < grid.nx; ++i) {
+      T along_v(0), slope_v(0);
+      for (int j = 0; j < grid.ny; ++j) {
+        along_v += table[i][j] * bv[j];
+        slope_v += table[i][j] * sv[j];
+      }
+      h[0] += bu[i] * along_v;
+      h[1] += su[i] * along_v * du;
+      h[2] += bu[i] * slope_v * dv;
+    }
+  }
+  return h;
+}
+
 // g in the frame before the pose; signs as the contract has them (negative inside).
 template <class T>
 Implicit<T> implicit_local(const ShapeSpec& s, const V<T>& x) {
@@ -72,6 +234,12 @@ Implicit<T> implicit_local(const ShapeSpec& s, const V<T>& x) {
       gradient = gradient + k * from<T>(s.rotation.col(i));
     }
     return {length - 1, gradient};
+  }
+  if (s.kind == Kind::sag || s.kind == Kind::zernike || s.kind == Kind::heights) {
+    const V<T> e0 = from<T>(s.rotation.col(0)), e1 = from<T>(s.rotation.col(1));
+    const V<T> e2 = from<T>(s.rotation.col(2));
+    const auto h = height<T>(s, dot(y, e0), dot(y, e1));
+    return {dot(y, e2) - h[0], e2 - h[1] * e0 - h[2] * e1};
   }
   const V<T> axis = unit(from<T>(s.axis));
   const T z = dot(y, axis);

@@ -28,6 +28,15 @@ geometry::SurfacePtr build(const ShapeSpec& s) {
     case Kind::torus: return geometry::make_torus(point, axis, s.radius, s.second);
     case Kind::conic: return geometry::make_conic(point, axis, s.radius, s.second, s.aspheric);
     case Kind::revolution: return geometry::make_revolution(point, axis, s.radius, s.profile).surface;
+    case Kind::sag: {
+      geometry::XyPolynomial f;
+      for (const auto& [i, j, c] : s.terms) f.add(i, j, c);
+      return geometry::make_sag(point, s.pose.rotation * s.rotation, f);
+    }
+    case Kind::zernike:
+      return geometry::make_sag(point, s.pose.rotation * s.rotation,
+                                geometry::zernike(s.zernike, s.radius));
+    case Kind::heights: return geometry::make_sag(point, s.pose.rotation * s.rotation, s.grid);
     case Kind::quadric: break;
   }
   const auto result = geometry::make_quadric(s.coefficients, s.pose);
@@ -115,6 +124,24 @@ std::vector<ShapeSpec> make_zoo() {
        .profile = {0.47, 3.90, -9.78, 5.80}});  // [C] ch. 5
   add({.name = "revolution_lantern", .kind = Kind::revolution, .radius = 1.8,
        .profile = {0.3, 1.1, 1.2, -6.3, 1.0, 6.2, -2.9}});
+
+  add({.name = "sag_saddle", .kind = Kind::sag, .rotation = random.rotation(),
+       .terms = {{0, 0, 0.1}, {1, 0, -0.2}, {2, 0, 0.4}, {0, 2, -0.3}}});
+  add({.name = "sag_cubic", .kind = Kind::sag, .rotation = random.rotation(),
+       .terms = {{2, 0, 0.2}, {0, 2, 0.3}, {3, 0, 0.1}, {1, 2, -0.15}, {2, 3, 0.01}, {0, 6, -0.002}}});
+  add({.name = "zernike_few", .kind = Kind::zernike, .rotation = random.rotation(), .radius = 1.3,
+       .zernike = {{4, 0.2}, {3, -0.05}, {7, 0.03}, {14, 0.01}}});
+  add({.name = "zernike_many", .kind = Kind::zernike, .rotation = random.rotation(), .radius = 2.5,
+       .zernike = {{2, 0.1}, {6, 0.05}, {12, 0.02}, {16, 0.01}, {18, -0.01}}});
+  // A shallow bowl with bumps, of few samples, more along x than along y.
+  geometry::HeightGrid bowl{{-1.4, -1.1}, {1.5, 1.2}, 9, 8, {}};
+  for (int j = 0; j < bowl.ny; ++j) {
+    for (int i = 0; i < bowl.nx; ++i) {
+      const double x = i / 4.0 - 1.0, y = j / 3.5 - 1.0;
+      bowl.values.push_back(0.3 * x * x + 0.2 * y * y + random.uniform(-0.02, 0.02));
+    }
+  }
+  add({.name = "heights", .kind = Kind::heights, .rotation = random.rotation(), .grid = bowl});
   return zoo;
 }
 
@@ -137,6 +164,11 @@ ShapeSpec scaled(const ShapeSpec& spec, double f) {
     s.aspheric[i] *= std::pow(f, -3.0 - 2.0 * static_cast<double>(i));
   }
   for (double& c : s.profile) c *= f;
+  for (auto& [i, j, c] : s.terms) c *= std::pow(f, 1 - i - j);
+  for (auto& [j, c] : s.zernike) c *= f;
+  s.grid.min *= f;
+  s.grid.max *= f;
+  for (double& value : s.grid.values) value *= f;
   for (int i = 6; i < 9; ++i) s.coefficients[i] *= f;
   s.coefficients[9] *= f * f;
   return s;

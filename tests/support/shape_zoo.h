@@ -7,24 +7,32 @@
 #include <vector>
 
 #include "geometry/pose.h"
+#include "geometry/sag.h"
 #include "geometry/surface.h"
 
 namespace caustic::test {
 
 struct ShapeSpec {
-  enum class Kind { plane, sphere, ellipsoid, quadric, cylinder, cone, torus, conic, revolution };
+  enum class Kind { plane, sphere, ellipsoid, quadric, cylinder, cone, torus, conic, revolution, sag, zernike, heights };
 
   std::string name;
   Kind kind = Kind::plane;
   geometry::Point point = geometry::Point::Zero();  ///< centre, apex, vertex, point on the axis
   geometry::Direction axis = geometry::Vec3::UnitZ();
-  geometry::Mat3 rotation = geometry::Mat3::Identity();  ///< ellipsoid
+  geometry::Mat3 rotation = geometry::Mat3::Identity();  ///< ellipsoid, height fields
   geometry::Vec3 semi_axes = geometry::Vec3::Ones();     ///< ellipsoid
   double radius = 1.0;  ///< sphere, cylinder; half angle of the cone; major one; R of the conic; height of the revolution
   double second = 0.0;  ///< minor radius, conic constant
   std::array<double, 10> coefficients{};  ///< quadric
   std::vector<double> aspheric{};         ///< conic
   std::vector<double> profile{};          ///< revolution
+  struct Term {
+    int i, j;
+    double c;
+  };
+  std::vector<Term> terms{};              ///< sag: c x^i y^j
+  std::vector<std::pair<int, double>> zernike{};  ///< over the disc of `radius`
+  geometry::HeightGrid grid{};            ///< heights
   geometry::Pose pose{};                  ///< x_world = R x + t, applied to all of the above
 };
 
