@@ -61,12 +61,13 @@ Rows interpolated(const Rows& samples) {
 // b[d][k] is the d-th derivative of the k-th.
 template <int kOrder>
 void basis(double t, double (&b)[kOrder + 1][6]) {
+  constexpr double kInverse[] = {1.0, 1.0, 1.0 / 2.0, 1.0 / 3.0, 1.0 / 4.0, 1.0 / 5.0};
   double N[6] = {1.0};
   for (int p = 0; p <= 5; ++p) {
     for (int k = p; p > 0 && k >= 0; --k) {
       const double left = k > 0 ? (t + p - k) * N[k - 1] : 0.0;
       const double right = k < p ? (k + 1 - t) * N[k] : 0.0;
-      N[k] = (left + right) / p;
+      N[k] = kInverse[p] * (left + right);
     }
     const int d = 5 - p;
     if (d > kOrder) continue;
@@ -127,13 +128,18 @@ void GridSpline::derivatives(double u, double v, double (&d)[kOrder + 1][kOrder 
   double b_u[kOrder + 1][6], b_v[kOrder + 1][6];
   basis<kOrder>(s - i, b_u);
   basis<kOrder>(t - j, b_v);
-  for (auto& row : d) std::fill(std::begin(row), std::end(row), 0.0);
+  // Rows first: their six coefficients lie side by side.
+  double rows[kOrder + 1][6] = {};
   const double* c = block(i, j);
   for (int row = 0; row < 6; ++row, c += stride_) {
-    for (int a = 0; a <= kOrder; ++a) {
-      double sum = 0.0;
-      for (int k = 0; k < 6; ++k) sum += b_u[a][k] * c[k];
-      for (int b = 0; a + b <= kOrder; ++b) d[a][b] += b_v[b][row] * sum;
+    for (int b = 0; b <= kOrder; ++b) {
+      for (int k = 0; k < 6; ++k) rows[b][k] += b_v[b][row] * c[k];
+    }
+  }
+  for (int a = 0; a <= kOrder; ++a) {
+    for (int b = 0; a + b <= kOrder; ++b) {
+      d[a][b] = 0.0;
+      for (int k = 0; k < 6; ++k) d[a][b] += b_u[a][k] * rows[b][k];
     }
   }
 }
