@@ -2,11 +2,14 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace caustic::geometry {
 
 namespace {
+
+constexpr double kFactorial[] = {1, 1, 2, 6};
 
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
@@ -55,56 +58,38 @@ Rows interpolated(const Rows& samples) {
   return c;
 }
 
-// The six uniform quintic B-splines that are not zero on a cell, by the recurrence over degrees
-//   N_k^p = ((t + p − k) N_{k−1}^{p−1} + (k + 1 − t) N_k^{p−1})/p,   (N_k^p)' = N_{k−1}^{p−1} −
-//   N_k^{p−1}.
-// b[d][k] is the d-th derivative of the k-th.
+// The six uniform quintic B-splines that are not zero on a cell, by powers of t in [0, 1].
+constexpr auto kBasis = [] {
+  std::array<std::array<double, 6>, 6> basis{{{1, 26, 66, 26, 1, 0},      // 1
+                                              {-5, -50, 0, 50, 5, 0},     // t
+                                              {10, 20, -60, 20, 10, 0},   // t²
+                                              {-10, 20, 0, -20, 10, 0},   // t³
+                                              {5, -20, 30, -20, 5, 0},    // t⁴
+                                              {-1, 5, -10, 10, -5, 1}}};  // t⁵
+  for (auto& row : basis) {
+    for (double& coefficient : row) coefficient /= 120.0;
+  }
+  return basis;
+}();
+
+// b[d][k] is the d-th derivative of the k-th, over d!: Horner's scheme for all six at once.
 template <int kOrder>
-void basis(double t, double (&b)[kOrder + 1][6]) {
-  constexpr double kInverse[] = {1.0, 1.0, 1.0 / 2.0, 1.0 / 3.0, 1.0 / 4.0, 1.0 / 5.0};
-  double N[6] = {1.0};
-  for (int p = 0; p <= 5; ++p) {
-    for (int k = p; p > 0 && k >= 0; --k) {
-      const double left = k > 0 ? (t + p - k) * N[k - 1] : 0.0;
-      const double right = k < p ? (k + 1 - t) * N[k] : 0.0;
-      N[k] = kInverse[p] * (left + right);
+void basis_taylor(double t, double (&b)[kOrder + 1][6]) {
+  for (auto& row : b) std::fill(std::begin(row), std::end(row), 0.0);
+  for (int i = 5; i >= 0; --i) {
+    for (int d = kOrder; d > 0; --d) {
+      for (int k = 0; k < 6; ++k) b[d][k] = b[d][k] * t + b[d - 1][k];
     }
-    const int d = 5 - p;
-    if (d > kOrder) continue;
-    std::copy_n(N, 6, b[d]);
-    for (int i = 0; i < d; ++i) {
-      for (int k = 5; k >= 0; --k) b[d][k] = (k > 0 ? b[d][k - 1] : 0.0) - b[d][k];
-    }
+    for (int k = 0; k < 6; ++k) b[0][k] = b[0][k] * t + kBasis[i][k];
   }
-}
-
-using Quintic = std::array<double, 6>;
-
-// The same as polynomials of s, t = t0 + t1 s.
-std::array<Quintic, 6> basis_along(double t0, double t1) {
-  std::array<Quintic, 6> N{};
-  N[0][0] = 1.0;
-  for (int p = 1; p <= 5; ++p) {
-    for (int k = p; k >= 0; --k) {
-      Quintic sum{};
-      const auto add = [&](const Quintic& q, double c0, double c1) {
-        for (int i = 0; i < p; ++i) {
-          sum[i] += c0 * q[i] / p;
-          sum[i + 1] += c1 * q[i] / p;
-        }
-      };
-      if (k > 0) add(N[k - 1], t0 + p - k, t1);
-      if (k < p) add(N[k], k + 1 - t0, -t1);
-      N[k] = sum;
-    }
-  }
-  return N;
 }
 
 }  // namespace
 
 GridSpline::GridSpline(int nx, int ny, const std::vector<double>& values)
     : nx_(nx), ny_(ny), stride_(nx + 4 + 2 * kMargin) {
+  assert(nx >= kMinSamples && ny >= kMinSamples);
+  assert(values.size() == static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny));
   const Rows samples = Eigen::Map<const Rows>(values.data(), ny, nx);
   const Rows along_v = interpolated(samples);                          // ny + 4 rows
   const Rows c = interpolated(Rows(along_v.transpose())).transpose();  // … and nx + 4 columns
@@ -126,8 +111,8 @@ void GridSpline::derivatives(double u, double v, double (&d)[kOrder + 1][kOrder 
   const int i = std::min(static_cast<int>(s), cells_u() - 1);
   const int j = std::min(static_cast<int>(t), cells_v() - 1);
   double b_u[kOrder + 1][6], b_v[kOrder + 1][6];
-  basis<kOrder>(s - i, b_u);
-  basis<kOrder>(t - j, b_v);
+  basis_taylor<kOrder>(s - i, b_u);
+  basis_taylor<kOrder>(t - j, b_v);
   // Rows first: their six coefficients lie side by side.
   double rows[kOrder + 1][6] = {};
   const double* c = block(i, j);
@@ -140,6 +125,7 @@ void GridSpline::derivatives(double u, double v, double (&d)[kOrder + 1][kOrder 
     for (int b = 0; a + b <= kOrder; ++b) {
       d[a][b] = 0.0;
       for (int k = 0; k < 6; ++k) d[a][b] += b_u[a][k] * rows[b][k];
+      d[a][b] *= kFactorial[a] * kFactorial[b];
     }
   }
 }
@@ -150,23 +136,28 @@ template void GridSpline::derivatives<3>(double, double, double (&)[4][4]) const
 
 LongPolynomial GridSpline::along(int cell_u, int cell_v, const Vec2& at,
                                  const Vec2& direction) const {
-  // Outermost cells are level in that direction: any place of them will do.
-  const auto local = [](int cell, int cells, double x, double dx) {
+  // b[i][k] is the coefficient of t^i in the k-th. Outermost cells are level in that direction: any
+  // place of them will do.
+  const auto local = [](int cell, int cells, double x, double dx, double(&b)[6][6]) {
     const bool outermost = cell == 0 || cell == cells - 1;
-    return outermost ? basis_along(0.5, 0.0) : basis_along(x + kMargin - cell, dx);
+    basis_taylor<5>(outermost ? 0.5 : x + kMargin - cell, b);
+    double power = 1.0;
+    for (auto& row : b) {
+      for (double& coefficient : row) coefficient *= power;
+      power *= outermost ? 0.0 : dx;
+    }
   };
-  const auto b_u = local(cell_u, cells_u(), at.x(), direction.x());
-  const auto b_v = local(cell_v, cells_v(), at.y(), direction.y());
+  double b_u[6][6], b_v[6][6];
+  local(cell_u, cells_u(), at.x(), direction.x(), b_u);
+  local(cell_v, cells_v(), at.y(), direction.y(), b_v);
   LongPolynomial f;
   f.degree = 10;
   const double* c = block(cell_u, cell_v);
   for (int row = 0; row < 6; ++row, c += stride_) {
-    Quintic along_u{};
-    for (int k = 0; k < 6; ++k) {
-      for (int i = 0; i < 6; ++i) along_u[i] += c[k] * b_u[k][i];
-    }
     for (int i = 0; i < 6; ++i) {
-      for (int j = 0; j < 6; ++j) f.c[i + j] += along_u[i] * b_v[row][j];
+      double along_u = 0.0;
+      for (int k = 0; k < 6; ++k) along_u += c[k] * b_u[i][k];
+      for (int j = 0; j < 6; ++j) f.c[i + j] += along_u * b_v[j][row];
     }
   }
   return f;
@@ -210,8 +201,8 @@ HeightRanges GridSpline::ranges(int cell_u, int cell_v, const Interval& u,
   };
   const Part p = part(cell_u, u), q = part(cell_v, v);
   double b_u[6][6], b_v[6][6], t[6][6] = {}, size = 0.0;
-  basis<5>(p.middle, b_u);
-  basis<5>(q.middle, b_v);
+  basis_taylor<5>(p.middle, b_u);
+  basis_taylor<5>(q.middle, b_v);
   const double* c = block(cell_u, cell_v);
   for (int row = 0; row < 6; ++row, c += stride_) {
     for (int i = 0; i < 6; ++i) {
@@ -221,11 +212,9 @@ HeightRanges GridSpline::ranges(int cell_u, int cell_v, const Interval& u,
     }
     for (int k = 0; k < 6; ++k) size = std::max(size, std::abs(c[k]));
   }
-  constexpr double kFactorial[] = {1, 1, 2, 6, 24, 120};
   HeightRanges r = taylor_ranges(
-      5, 5, [&](int i, int j) { return t[i][j] / (kFactorial[i] * kFactorial[j]); }, p.half,
-      q.half);
-  // Rows of the basis' derivatives have sums of absolute values up to 2⁵.
+      5, 5, [&](int i, int j) { return t[i][j]; }, p.half, q.half);
+  // Absolute values of a row of the basis, over factorials, have sums of at most one.
   for (Interval& range : r) range += 1024.0 * kEpsilon * size * Interval(-1.0, 1.0);
   return r;
 }

@@ -1,5 +1,6 @@
 // Surfaces of revolution whose radius is a polynomial of the height (S20).
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include "geometry/enclosed_polynomial.h"
@@ -181,6 +182,7 @@ class Revolution final : public Surface {
 
 RevolutionResult make_revolution(const Point& origin, const Direction& axis, double height,
                                  const std::vector<double>& coefficients) {
+  assert(height > 0.0 && static_cast<int>(coefficients.size()) <= kMaxProfileDegree + 1);
   Profile profile{{}, height};
   for (int i = 0; i < static_cast<int>(coefficients.size()); ++i) {
     profile.c.c[i] = coefficients[i];

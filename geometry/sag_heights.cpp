@@ -10,6 +10,8 @@ namespace caustic::geometry {
 
 namespace {
 
+static_assert(kMinSamples == GridSpline::kMinSamples);
+
 // Charts go on beyond the samples by this share of a cell, so that the edges are cut like an
 // aperture.
 constexpr double kChartOverlap = 0.5;

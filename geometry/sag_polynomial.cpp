@@ -1,5 +1,6 @@
 // Height fields that are polynomials in x and y, Zernike's among them (S21).
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include "geometry/quadric.h"
@@ -8,6 +9,7 @@
 namespace caustic::geometry {
 
 void XyPolynomial::add(int i, int j, double c) {
+  assert(i >= 0 && j >= 0 && i + j <= kMaxDegree);
   if (c == 0.0) return;
   if (i + j > degree_) {
     XyPolynomial larger(unit_);
@@ -127,6 +129,7 @@ XyPolynomial zernike(const std::vector<std::pair<int, double>>& coefficients, do
   };
   XyPolynomial sum(norm_radius);
   for (const auto& [index, coefficient] : coefficients) {
+    assert(index >= 0 && index <= kMaxZernikeIndex);
     const int n = static_cast<int>(std::ceil(0.5 * (-3.0 + std::sqrt(9.0 + 8.0 * index))));
     const int m = 2 * index - n * (n + 2), order = std::abs(m);
     const double scale = coefficient * std::sqrt((m == 0 ? 1.0 : 2.0) * (n + 1));
