@@ -34,16 +34,16 @@ struct Polynomial {
 template <class F, class DF>
 double bracketed_root(const F& f, const DF& df, double a, double b, double fa) {
   const double smallest = 1e-17 * (b - a);
-  double t = 0.5 * (a + b), last_step = b - a;
+  double t = 0.5 * (a + b), last_step = 2.0 * (b - a);
   for (int i = 0; i < 200; ++i) {
     const double ft = f(t);
     if (ft == 0.0) return t;
     ((ft > 0.0) == (fa > 0.0) ? a : b) = t;
     double step = -ft / df(t);
-    if (!(t + step > a && t + step < b) || std::abs(step) > 0.5 * std::abs(last_step)) {
-      step = 0.5 * (a + b) - t;
-    }
-    last_step = step;
+    const bool newton = t + step > a && t + step < b && std::abs(step) <= 0.5 * last_step;
+    if (!newton) step = 0.5 * (a + b) - t;
+    // After a halving Newton's method may go where it wants in the bracket.
+    last_step = newton ? std::abs(step) : 2.0 * (b - a);
     t += step;
     if (std::abs(step) <= 4e-16 * std::abs(t) + smallest) return t;
   }
