@@ -235,8 +235,9 @@ std::vector<FieldPoint> points_on_grid(const OpticalSystem& system, int surface,
         const Node m = node_at(0.5 * (a.s + b.s), 0.5 * (a.t + b.t));
         ((m.f > 0.0) == (a.f > 0.0) ? a : b) = m;
       }
+      // On the way the edge may leave the receiver or the aperture, and cross the level there.
       const FieldPoint f = map.evaluate(chart.point(a.s, a.t));
-      if (f.finite && in_sight(system, f)) found.push_back(f);
+      if (f.finite && node_at(a.s, a.t).inside && in_sight(system, f)) found.push_back(f);
     };
     for (int i = 0; i < n; ++i) {
       for (int j = 0; j < n; ++j) {
