@@ -8,6 +8,8 @@
 #include <httplib.h>
 
 #include <charconv>
+#include <filesystem>
+#include <thread>
 
 namespace caustic::service {
 namespace {
@@ -78,11 +80,42 @@ bool read_body(const httplib::ContentReader& reader, std::size_t max_body, HttpR
   return whole;
 }
 
+/// The port of this end, 0 if the descriptor is none of a connection.
+int port_of_connection(int descriptor) {
+  sockaddr_storage own{}, peer{};
+  socklen_t own_size = sizeof own, peer_size = sizeof peer;
+  if (getpeername(descriptor, reinterpret_cast<sockaddr*>(&peer), &peer_size) != 0) return 0;
+  if (getsockname(descriptor, reinterpret_cast<sockaddr*>(&own), &own_size) != 0) return 0;
+  if (own.ss_family == AF_INET) return ntohs(reinterpret_cast<sockaddr_in&>(own).sin_port);
+  if (own.ss_family == AF_INET6) return ntohs(reinterpret_cast<sockaddr_in6&>(own).sin6_port);
+  return 0;
+}
+
+/// Lets every connection of this port find that its client says no more. The library does not tell
+/// its connections, and one that waits for a request looks up only after kIdleSeconds.
+void hang_up_on_all(int port) {
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
+    const int descriptor = std::stoi(entry.path().filename());
+    if (port_of_connection(descriptor) == port) ::shutdown(descriptor, SHUT_RD);
+  }
+}
+
 }  // namespace
 
 struct Server::Library : httplib::Server {
-  using httplib::Server::Server;
+  /// Requests whose answers are under way. From request to answer a thread stays the same.
+  std::atomic<int> answering = 0;
+  std::atomic<bool> finished = false;
+  static thread_local bool answering_here;
+
+  void begin_answer() {
+    if (!std::exchange(answering_here, true)) ++answering;
+  }
+  void end_answer() {
+    if (std::exchange(answering_here, false)) --answering;
+  }
 };
+thread_local bool Server::Library::answering_here = false;
 
 Server::Server(const Routes& routes, const ServerOptions& options)
     : options_(options), library_(std::make_unique<Library>()) {
@@ -102,7 +135,9 @@ Server::Server(const Routes& routes, const ServerOptions& options)
   });
 
   using Handled = httplib::Server::HandlerResponse;
-  library_->set_pre_routing_handler([&routes](const httplib::Request& in, httplib::Response& out) {
+  library_->set_logger([this](const auto&, const auto&) { library_->end_answer(); });
+  library_->set_pre_routing_handler([this, &routes](const auto& in, httplib::Response& out) {
+    library_->begin_answer();
     auto& request = const_cast<httplib::Request&>(in);  // the library's own object, and not const
     request.ranges.clear();
     request.headers.erase("Accept-Encoding");
@@ -140,15 +175,27 @@ Server::Server(const Routes& routes, const ServerOptions& options)
 Server::~Server() = default;
 
 int Server::bind() {
-  if (options_.port == 0) return library_->bind_to_any_port(options_.host);
-  return library_->bind_to_port(options_.host, options_.port) ? options_.port : -1;
+  if (options_.port == 0)
+    options_.port = library_->bind_to_any_port(options_.host);
+  else if (!library_->bind_to_port(options_.host, options_.port))
+    options_.port = -1;
+  return options_.port;
 }
 
-bool Server::listen() { return library_->listen_after_bind(); }
+bool Server::listen() {
+  const bool stopped = library_->listen_after_bind();
+  library_->finished = true;
+  return stopped;
+}
 
 bool Server::is_listening() const { return library_->is_running(); }
 
-void Server::stop() { library_->stop(); }
+void Server::stop() {
+  library_->stop();
+  while (library_->answering > 0 && !library_->finished)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  hang_up_on_all(options_.port);
+}
 
 bool is_healthy(const std::string& host, int port) {
   httplib::Client client(host, port);

@@ -1,6 +1,7 @@
 // The server against clients that are wrong, rude or unlucky.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <csignal>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -226,8 +227,22 @@ TEST_F(ServerTest, stops_when_asked) {
   }
 }
 
+// Far below the 5 s after which an idle connection is closed.
+TEST_F(ServerTest, does_not_wait_for_idle_connections) {
+  ServerProcess other(folder.path() / "other");
+  HttpConnection silent(other.port()), idle(other.port());
+  idle.send("GET /healthz HTTP/1.1\r\n\r\n");
+  EXPECT_EQ(idle.receive().status, 200);
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_EQ(other.stop(SIGTERM), 0);
+  const std::chrono::duration<double> waited = std::chrono::steady_clock::now() - begin;
+  EXPECT_LT(waited.count(), 2.0);
+  EXPECT_TRUE(idle.closed_by_server());
+}
+
 TEST_F(ServerTest, stops_in_the_middle_of_work) {
   ServerProcess other(folder.path() / "other");
+  const HttpConnection idle(other.port());
   json request = ball_request();
   surface(request)["shape"] =
       json::parse(R"({"type": "torus", "center": [0, 0, 0], "axis": [0, 0, 1],
