@@ -13,9 +13,11 @@ std::string result_id(const ContourCall& call, const solver::ContourResult& resu
 
 std::string ContourService::post(std::string_view body) const {
   ContourCall call = read_contour_call(body);
-  if (call.store)
-    if (auto answer = store_.load_answer(call.id)) return *answer;
-  return compute(call);
+  if (!call.store) return compute(call);
+  return under_way_.once(call.id, [&] {
+    const auto answer = store_.load_answer(call.id);
+    return answer ? *answer : compute(call);
+  });
 }
 
 std::string ContourService::compute(ContourCall& call) const {
@@ -28,7 +30,7 @@ std::string ContourService::compute(ContourCall& call) const {
   if (!call.store) return answer_json(call, result, id, false, write_geojson(record.curves));
   record.answer = answer_json(call, result, id, true);
   if (store_.save(id, record)) return record.answer;
-  // Another POST of the same request was first: its answer is the one that stays.
+  // Another server on the same folder was first: its answer is the one that stays.
   return store_.load_answer(id).value_or(record.answer);
 }
 

@@ -10,6 +10,7 @@
 #include "service/api/contour_json.h"
 #include "service/results/result_record.h"
 #include "service/results/result_store.h"
+#include "service/shared_work.h"
 #include "solver/contours.h"
 
 namespace caustic::service {
@@ -24,7 +25,8 @@ class ContourService {
                  const std::atomic<bool>* stopping = nullptr)
       : engine_(std::move(engine)), store_(store), stopping_(stopping) {}
 
-  /// The answer. Throws ProblemError for a bad request.
+  /// The answer. Throws ProblemError for a bad request. The same request from several threads at a
+  /// time is traced once.
   std::string post(std::string_view body) const;
 
  private:
@@ -33,6 +35,7 @@ class ContourService {
   Engine engine_;
   const ResultStore& store_;
   const std::atomic<bool>* stopping_;
+  mutable SharedWork under_way_;
 };
 
 /// Identity of what the engine found: the request's own if it is whole, else a random one.

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <future>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "service/formats/format.h"
 #include "tests/support/requests.h"
@@ -26,7 +29,7 @@ class RoutesTest : public testing::Test {
   test::TemporaryFolder folder;
   ResultStore store{folder.path()};
   Engine engine = test::draw_circles;
-  int runs = 0;
+  std::atomic<int> runs = 0;
   ContourService contours{[this](const auto& system, const auto& request) {
                             ++runs;
                             return engine(system, request);
@@ -59,6 +62,57 @@ TEST_F(RoutesTest, answers_as_the_contract_says) {
   for (const char* suffix : {"vtp", "vtk", "svg", "geojson", "csv"})
     EXPECT_EQ(answer["files"][suffix], "/v1/results/" + id + "." + suffix);
   EXPECT_EQ(answer["files"].size(), 5u);
+}
+
+TEST_F(RoutesTest, the_same_request_at_the_same_time_is_traced_once) {
+  std::promise<void> released;
+  const auto release = released.get_future().share();
+  std::atomic<int> entered = 0;
+  engine = [&](const auto& system, const auto& request) {
+    ++entered;
+    release.wait();
+    return test::draw_circles(system, request);
+  };
+  std::vector<std::future<std::string>> answers;
+  const auto ask_for = [&](const json& request) {
+    answers.push_back(std::async(std::launch::async, [&, request] { return post(request).body; }));
+  };
+  const auto wait_for = [&](int count) {
+    for (int i = 0; i < 2000 && entered < count; ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  };
+  json other = ball_request();
+  other["levels"] = json::parse("[0.0004]");
+  ask_for(ball_request());
+  ask_for(other);
+  wait_for(2);
+  ask_for(ball_request());
+  ask_for(ball_request());
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));  // they would enter now
+  released.set_value();
+  std::vector<std::string> bodies;
+  for (auto& answer : answers) bodies.push_back(answer.get());
+  EXPECT_EQ(entered, 2);
+  EXPECT_EQ(json::parse(bodies[0])["curves"].size(), 3u);
+  EXPECT_EQ(bodies[2], bodies[0]);
+  EXPECT_EQ(bodies[3], bodies[0]);
+  EXPECT_EQ(json::parse(bodies[1])["curves"].size(), 2u) << bodies[1];
+}
+
+TEST_F(RoutesTest, what_fails_fails_for_all_who_asked_and_can_be_asked_again) {
+  std::promise<void> released;
+  const auto release = released.get_future().share();
+  engine = [&](const auto&, const auto&) -> solver::ContourResult {
+    release.wait();
+    throw ProblemError(make_problem(503, "not now"));
+  };
+  std::vector<std::future<int>> statuses;
+  for (int i = 0; i < 3; ++i)
+    statuses.push_back(std::async(std::launch::async, [&] { return post(ball_request()).status; }));
+  released.set_value();
+  for (auto& status : statuses) EXPECT_EQ(status.get(), 503);
+  engine = test::draw_circles;
+  EXPECT_EQ(post(ball_request()).status, 200);
 }
 
 TEST_F(RoutesTest, serves_what_it_stored) {
