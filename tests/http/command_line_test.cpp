@@ -15,11 +15,6 @@ namespace {
 
 using nlohmann::json;
 
-std::string read(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return std::string(std::istreambuf_iterator<char>(in), {});
-}
-
 class CommandLineTest : public testing::Test {
  protected:
   std::string file(const std::string& name) { return (folder.path() / name).string(); }
@@ -41,13 +36,13 @@ TEST_F(CommandLineTest, traces_into_every_format) {
     const ProgramResult result = run_program({"trace", request, "-o", out});
     EXPECT_EQ(result.exit_code, 0) << result.err;
     EXPECT_EQ(result.out, "");
-    EXPECT_TRUE(read(out).starts_with(beginning)) << suffix;
-    const ProgramResult piped = run_program({"trace", "-", "--format", suffix}, read(request));
+    EXPECT_TRUE(read_file(out).starts_with(beginning)) << suffix;
+    const ProgramResult piped = run_program({"trace", "-", "--format", suffix}, read_file(request));
     EXPECT_TRUE(piped.out.starts_with(beginning)) << suffix;
     const bool tells_seconds = suffix == std::string("json");
-    EXPECT_TRUE(tells_seconds || piped.out == read(out)) << suffix;
+    EXPECT_TRUE(tells_seconds || piped.out == read_file(out)) << suffix;
   }
-  EXPECT_TRUE(run_program({"trace", "-", "-o", "-"}, read(request)).out.starts_with("<?xml"));
+  EXPECT_TRUE(run_program({"trace", "-", "-o", "-"}, read_file(request)).out.starts_with("<?xml"));
 }
 
 TEST_F(CommandLineTest, bad_input_is_2_with_the_problem_on_stderr) {

@@ -21,11 +21,6 @@ std::vector<char*> pointers(std::vector<std::string>& strings) {
   return out;
 }
 
-std::string read(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return std::string(std::istreambuf_iterator<char>(in), {});
-}
-
 /// In the child: standard streams from and to files.
 void redirect(int stream, const std::filesystem::path& path, int flags) {
   const int file = open(path.c_str(), flags, 0600);
@@ -34,6 +29,11 @@ void redirect(int stream, const std::filesystem::path& path, int flags) {
 }
 
 }  // namespace
+
+std::string read_file(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return std::string(std::istreambuf_iterator<char>(in), {});
+}
 
 ProgramResult run_command(const std::vector<std::string>& command, const std::string& input) {
   const TemporaryFolder folder;
@@ -51,7 +51,7 @@ ProgramResult run_command(const std::vector<std::string>& command, const std::st
   }
   int status = 0;
   waitpid(pid, &status, 0);
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read(out), read(err)};
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_file(out), read_file(err)};
 }
 
 ProgramResult run_program(const std::vector<std::string>& arguments, const std::string& input) {

@@ -16,6 +16,8 @@ struct ProgramResult {
 
 /// Runs the program to its end.
 ProgramResult run_program(const std::vector<std::string>& arguments, const std::string& input = {});
+/// All bytes of a file; none if it is not there.
+std::string read_file(const std::filesystem::path& path);
 /// Runs any command.
 ProgramResult run_command(const std::vector<std::string>& command, const std::string& input = {});
 
