@@ -1,0 +1,384 @@
+#include "solver/path_search.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace caustic::solver {
+
+using geometry::Vec2;
+
+namespace {
+
+// Cells along a chart's side before any refinement, by the number of charts.
+constexpr int kBaseOfOne = 12;
+constexpr int kBaseOfMany = 4;
+// Finest levels, counted from the base: of cells with a fold through p, of those in which rays
+// break off or jump.
+constexpr int kFoldDepth = 20;
+constexpr int kBrokenDepth = 7;
+constexpr int kDeepest = 22;
+// Cells none of whose nine rays arrives are taken for empty once they look this small from the
+// light, or none of their rays comes near the surface that they miss.
+constexpr double kSeekShare = 0.05;
+constexpr int kSeekDepth = 7;
+constexpr double kSmallRegion = 20.0;
+// Second differences of rays above this share of the first ones, in cells this small: a jump, where
+// rays pass a silhouette on their way.
+constexpr double kJump = 0.5;
+// What a cell's rays do between samples, from the derivatives of one of them.
+constexpr double kSpreadFactor = 2.0;
+// Rays that lean more than this (cosine) against the middle one say nothing linear.
+constexpr double kLeastCosine = 0.3;
+// The image of a cell reaches beyond its samples by at most this many second differences.
+constexpr double kOvershoot = 1.0;
+// Newton from the cell's linear image converges to its only root where the least stretch exceeds
+// the second differences so many times: Kantorovich's ½ needs 2√2.
+constexpr double kInjective = 3.0;
+// Cells cut off by an aperture: the samples' spread underestimates the radius of curved cells.
+constexpr double kRadiusFactor = 1.3;
+// Work for one point: a scene that needs more is a perfect focus.
+constexpr std::size_t kMaxNewCells = 20000;
+constexpr std::size_t kMaxPaths = 100;
+// Newton's steps, and when one is the last, as a share of the scene: quadratic convergence.
+constexpr int kMaxSteps = 24;
+constexpr double kLastStep = 1e-9;
+// Roots nearer than this share of the scene are one.
+constexpr double kSameRoot = 1e-8;
+
+double max3(double a, double b, double c) { return std::max(a, std::max(b, c)); }
+
+}  // namespace
+
+// The nine rays of a cell where they meet the plane through p across the middle one.
+struct PathSearch::Locus {
+  std::array<Vec2, 9> y;
+  Vec2 target;
+  Vec2 b_s, b_t;      // half differences through the middle
+  double ss, tt, st;  // largest second differences
+  double bending() const { return ss + 2.0 * st + tt; }
+  /// Smaller singular value of [b_s b_t].
+  double least_stretch() const {
+    const double det = std::abs(b_s.x() * b_t.y() - b_s.y() * b_t.x());
+    const double sum = b_s.squaredNorm() + b_t.squaredNorm();
+    const double larger =
+        std::sqrt(0.5 * (sum + std::sqrt(std::max(0.0, sum * sum - 4 * det * det))));
+    return larger > 0.0 ? det / larger : 0.0;
+  }
+  bool injective() const { return least_stretch() > kInjective * bending(); }
+};
+
+PathSearch::PathSearch(PencilTracer tracer, const geometry::Extent& extent)
+    : tracer_(std::move(tracer)),
+      charts_(tracer_.first().shape->charts(extent)),
+      scale_(extent.scale),
+      base_(charts_.size() == 1 ? kBaseOfOne : kBaseOfMany) {
+  const int size = 1 << kDeepest;
+  for (int chart = 0; chart < static_cast<int>(charts_.size()); ++chart) {
+    for (int i = 0; i < base_; ++i) {
+      for (int j = 0; j < base_; ++j) {
+        Cell cell;
+        cell.chart = chart;
+        cell.i = i * size;
+        cell.j = j * size;
+        cell.depth = 0;
+        make(cell);
+        cells_.push_back(cell);
+      }
+    }
+  }
+}
+
+int PathSearch::sample(int chart, int i, int j) {
+  const std::uint64_t key = (static_cast<std::uint64_t>(chart) << 56) |
+                            (static_cast<std::uint64_t>(i) << 28) | static_cast<std::uint64_t>(j);
+  const auto [entry, fresh] = known_.try_emplace(key, static_cast<int>(samples_.size()));
+  if (fresh) {
+    const double unit = 1.0 / (base_ * double(1 << kDeepest));
+    Sample s;
+    s.x = charts_[chart].point(i * unit, j * unit);
+    s.valid = s.x.allFinite() && tracer_.trace_ray(s.x, s.ray);
+    samples_.push_back(s);
+  }
+  return entry->second;
+}
+
+Point PathSearch::place(const Cell& cell, double s, double t) const {
+  const double unit = 1.0 / (base_ * double(1 << kDeepest));
+  const double half = 0.5 * double(1 << (kDeepest - cell.depth));
+  return charts_[cell.chart].point(std::clamp((cell.i + half * (1.0 + s)) * unit, 0.0, 1.0),
+                                   std::clamp((cell.j + half * (1.0 + t)) * unit, 0.0, 1.0));
+}
+
+void PathSearch::make(Cell& cell) {
+  const int half = 1 << (kDeepest - cell.depth - 1);
+  std::array<int, 9> index;
+  int valid = 0;
+  double radius = 0.0;
+  for (int k = 0; k < 9; ++k) {
+    index[k] = sample(cell.chart, cell.i + (k % 3) * half, cell.j + (k / 3) * half);
+    valid += samples_[index[k]].valid;
+  }
+  for (int k = 0; k < 9; ++k) {
+    radius = std::max(radius, (samples_[index[k]].x - samples_[index[4]].x).norm());
+  }
+  const auto outside = [&](const std::vector<geometry::Bound>& bounds) {
+    return std::any_of(bounds.begin(), bounds.end(), [&](const auto& bound) {
+      const Point& middle = samples_[index[4]].x;
+      return bound.lower_bound_within(bound.value(middle), kRadiusFactor * radius) > 0.0;
+    });
+  };
+  if (outside(*tracer_.first().bounds) || outside(charts_[cell.chart].cell)) return;
+  if (valid == 0) {
+    const Point& middle = samples_[index[4]].x;
+    if (cell.depth >= kSeekDepth || apparent_size(middle, radius) < kSeekShare ||
+        !may_come(middle, kRadiusFactor * radius)) {
+      return;
+    }
+  }
+  // The middle ray, or any that there is, gives the frame.
+  const Sample* frame = &samples_[index[4]];
+  for (int k = 0; !frame->valid && k < 9; ++k) frame = &samples_[index[k]];
+  cell.kind = valid == 9 ? Kind::smooth : valid == 0 ? Kind::wide : Kind::broken;
+  if (valid == 0) return;
+  cell.w = frame->ray.w.normalized();
+  cell.o = frame->ray.o;
+  const geometry::Frame across(cell.w);
+  cell.u = across.e1;
+  cell.v = across.e2;
+  Mat3 to_frame;
+  to_frame << cell.u.transpose(), cell.v.transpose(), cell.w.transpose();
+  for (int k = 0; k < 9; ++k) {
+    const Sample& s = samples_[index[k]];
+    if (!s.valid) continue;
+    LocalRay& ray = cell.rays[k];
+    ray = {to_frame * (s.ray.o - cell.o), to_frame * s.ray.w};
+    if (ray.w.z() < kLeastCosine) cell.kind = Kind::wide;
+    // Where the ray meets the plane at τ: o + (τ − o_w) w/w_w.
+    const Vec2 slope = ray.w.head<2>() / ray.w.z();
+    cell.reach_w = std::max(cell.reach_w, slope.norm());
+    cell.reach_o = std::max(cell.reach_o, (ray.o.head<2>() - ray.o.z() * slope).norm());
+    cell.behind = std::max(cell.behind, ray.o.norm());
+  }
+  if (cell.kind == Kind::smooth && cell.depth >= kBrokenDepth && jumps(cell)) {
+    cell.kind = Kind::broken;
+  }
+  if (cell.kind == Kind::broken) {
+    // A single sample has no spread: derivatives say what the rays between do.
+    for (int k = 0; k < 9; ++k) {
+      Pencil pencil;
+      if (!samples_[index[k]].valid || !tracer_.trace(samples_[index[k]].x, pencil)) continue;
+      cell.reach_o = std::max(cell.reach_o, radius * pencil.dx.norm());
+      cell.reach_w = std::max(cell.reach_w, radius * pencil.dw.norm());
+      cell.behind = std::max(cell.behind, radius * pencil.dx.norm());
+    }
+  }
+  cell.reach_o *= kSpreadFactor;
+  cell.reach_w *= kSpreadFactor;
+  cell.behind *= kSpreadFactor;
+}
+
+// Square root of a cell's solid angle from the light.
+double PathSearch::apparent_size(const Point& middle, double radius) const {
+  const Vec3 in = tracer_.incident(middle);
+  Vec3 N;
+  tracer_.first().shape->value_gradient(middle, N);
+  const double cosine = std::abs(N.dot(in)) / (N.norm() * in.norm());
+  const double away = tracer_.light().index() == 0 ? in.norm() : scale_;
+  return radius * std::sqrt(cosine) / away;
+}
+
+// False if the middle ray of a cell misses a small surface, and all others do as well.
+bool PathSearch::may_come(const Point& middle, double radius) const {
+  Pencil pencil;
+  if (tracer_.trace(middle, pencil) || pencil.missed < 0) return true;
+  const geometry::Box& region = tracer_.surfaces()[pencil.missed].region;
+  if (region.diagonal() > kSmallRegion * scale_) return true;
+  const double far = (region.center() - pencil.o).norm() + 0.5 * region.diagonal();
+  const double margin = kSpreadFactor * radius * (pencil.dx.norm() + far * pencil.dw.norm());
+  return region.may_meet({pencil.o, far * pencil.w}, margin);
+}
+
+bool PathSearch::jumps(const Cell& cell) const {
+  const auto size = [&](int a, int b) {
+    return (cell.rays[a].o - cell.rays[b].o).norm() / scale_ +
+           (cell.rays[a].w - cell.rays[b].w).norm();
+  };
+  const auto bend = [&](int a, int b, int c) {
+    const LocalRay &x = cell.rays[a], &y = cell.rays[b], &z = cell.rays[c];
+    return (x.o - 2.0 * y.o + z.o).norm() / scale_ + (x.w - 2.0 * y.w + z.w).norm();
+  };
+  double first = 0.0, second = 0.0;
+  for (int k = 0; k < 3; ++k) {
+    first = max3(first, size(3 * k, 3 * k + 2), size(k, k + 6));
+    second = max3(second, bend(3 * k, 3 * k + 1, 3 * k + 2), bend(k, k + 3, k + 6));
+  }
+  return second > kJump * first;
+}
+
+int PathSearch::split(int index) {
+  const int first = static_cast<int>(cells_.size());
+  const int half = 1 << (kDeepest - cells_[index].depth - 1);
+  for (int k = 0; k < 4; ++k) {
+    Cell child;
+    child.chart = cells_[index].chart;
+    child.i = cells_[index].i + (k % 2) * half;
+    child.j = cells_[index].j + (k / 2) * half;
+    child.depth = cells_[index].depth + 1;
+    make(child);
+    cells_.push_back(child);
+  }
+  cells_[index].children = first;
+  return first;
+}
+
+bool PathSearch::may_pass(const Cell& cell, const Point& p, Locus& locus) const {
+  const Vec3 d = p - cell.o;
+  const double tau = cell.w.dot(d);
+  if (tau < -cell.behind) return false;
+  locus.target = {cell.u.dot(d), cell.v.dot(d)};
+  const double reach = cell.reach_o + std::abs(tau) * cell.reach_w;
+  if (locus.target.squaredNorm() > reach * reach) return false;
+  if (cell.kind == Kind::broken) return true;
+
+  for (int k = 0; k < 9; ++k) {
+    const LocalRay& ray = cell.rays[k];
+    locus.y[k] = ray.o.head<2>() + ((tau - ray.o.z()) / ray.w.z()) * ray.w.head<2>();
+  }
+  const auto& y = locus.y;
+  const auto bend = [&](int a, int b, int c) { return (y[a] - 2.0 * y[b] + y[c]).norm(); };
+  locus.ss = max3(bend(0, 1, 2), bend(3, 4, 5), bend(6, 7, 8));
+  locus.tt = max3(bend(0, 3, 6), bend(1, 4, 7), bend(2, 5, 8));
+  locus.st = 0.25 * (y[0] - y[2] - y[6] + y[8]).norm();
+  locus.b_s = 0.5 * (y[5] - y[3]);
+  locus.b_t = 0.5 * (y[7] - y[1]);
+  const double beyond = kOvershoot * (locus.ss + locus.tt);
+  // The image lies between its corners, along any direction, but for what it bends beyond.
+  const auto apart = [&](const Vec2& axis) {
+    const double at = axis.dot(locus.target), size = beyond * axis.norm();
+    double lo = at, hi = at;
+    bool below = true, above = true;
+    for (const int k : {0, 2, 6, 8}) {
+      const double value = axis.dot(y[k]);
+      below &= value + size < lo;
+      above &= value - size > hi;
+    }
+    return below || above;
+  };
+  return !apart({1, 0}) && !apart({0, 1}) && !apart({-locus.b_s.y(), locus.b_s.x()}) &&
+         !apart({-locus.b_t.y(), locus.b_t.x()});
+}
+
+// Newton on the miss of p across the ray, along the first surface.
+void PathSearch::refine(const Point& start, const Point& p, Answer& answer) const {
+  const auto& shape = *tracer_.first().shape;
+  const auto project = [&](Point x) {
+    Vec3 N;
+    for (int k = 0; k < 4; ++k) {
+      const double g = shape.value_gradient(x, N);
+      const Vec3 step = N * (g / N.squaredNorm());
+      x -= step;
+      if (!(step.squaredNorm() > 1e-26 * scale_ * scale_)) break;
+    }
+    return x;
+  };
+  Pencil pencil;
+  Point x = start, before = start;
+  double last = geometry::kInfinity;
+  for (int k = 0; k < kMaxSteps; ++k) {
+    if (!x.allFinite()) return;
+    if (!tracer_.trace(x, pencil)) {
+      // Beyond where the ray still meets every surface: half the way.
+      if ((x - before).squaredNorm() <= kLastStep * kLastStep * scale_ * scale_) return;
+      x = project(0.5 * (x + before));
+      continue;
+    }
+    before = x;
+    Vec3 N;
+    shape.value_gradient(x, N);
+    const geometry::Frame along(N.normalized()), across(pencil.w);
+    const Vec3 d = p - pencil.o;
+    const double tau = pencil.w.dot(d);
+    const Mat3 motion = pencil.dx + tau * pencil.dw;
+    const Vec3 m1 = motion * along.e1, m2 = motion * along.e2;
+    const double a = across.e1.dot(m1), b = across.e1.dot(m2), c = across.e2.dot(m1),
+                 e = across.e2.dot(m2);
+    const double r1 = across.e1.dot(d), r2 = across.e2.dot(d), det = a * e - b * c;
+    Vec3 step = ((e * r1 - b * r2) / det) * along.e1 + ((a * r2 - c * r1) / det) * along.e2;
+    double size = step.norm();
+    if (!std::isfinite(size)) return;
+    const double room = 0.3 * scale_;
+    if (size > room) {
+      step *= room / size;
+      size = room;
+    }
+    x = project(x + step);
+    if (size <= kLastStep * scale_ || (size <= 1e-6 * scale_ && size > 0.5 * last)) {
+      if (!tracer_.trace(x, pencil) || !(pencil.w.dot(p - pencil.o) > 0.0)) return;
+      for (const Pencil& other : answer.pencils) {
+        if ((other.hits[0] - x).norm() <= kSameRoot * scale_) return;
+      }
+      answer.pencils.push_back(pencil);
+      return;
+    }
+    last = size;
+  }
+}
+
+void PathSearch::refine_from_samples(const Cell& cell, const Point& p, Answer& answer) {
+  const int half = 1 << (kDeepest - cell.depth - 1);
+  for (int k = 0; k < 9; ++k) {
+    const int index = sample(cell.chart, cell.i + (k % 3) * half, cell.j + (k / 3) * half);
+    if (samples_[index].valid) refine(samples_[index].x, p, answer);
+  }
+}
+
+PathSearch::Answer PathSearch::through(const Point& p) {
+  Answer answer;
+  const std::size_t limit = cells_.size() + kMaxNewCells;
+  const int roots = static_cast<int>(charts_.size()) * base_ * base_;
+  stack_.clear();
+  for (int k = 0; k < roots; ++k) stack_.push_back(k);
+  while (!stack_.empty()) {
+    const int index = stack_.back();
+    stack_.pop_back();
+    if (cells_[index].kind == Kind::dead) continue;
+    if (answer.pencils.size() > kMaxPaths) {
+      // A whole line or surface of paths.
+      answer.undecided.push_back(answer.pencils.front().hits[0]);
+      answer.pencils.clear();
+      break;
+    }
+    const Kind kind = cells_[index].kind;
+    bool split_further = kind == Kind::wide;
+    Locus locus;
+    if (kind != Kind::wide) {
+      const Cell& cell = cells_[index];
+      if (!may_pass(cell, p, locus)) continue;
+      if (kind == Kind::smooth && locus.injective()) {
+        const double det = locus.b_s.x() * locus.b_t.y() - locus.b_s.y() * locus.b_t.x();
+        const Vec2 m = locus.target - locus.y[4];
+        const double s = (m.x() * locus.b_t.y() - m.y() * locus.b_t.x()) / det;
+        const double t = (locus.b_s.x() * m.y() - locus.b_s.y() * m.x()) / det;
+        // The linear image misses by at most half a bending over the least stretch.
+        const double slack = 1.0 + 1.0 / kInjective;
+        if (std::abs(s) <= slack && std::abs(t) <= slack) refine(place(cell, s, t), p, answer);
+        continue;
+      }
+      split_further = true;
+    }
+    const Cell& cell = cells_[index];
+    const int deepest = kind == Kind::smooth ? kFoldDepth : kBrokenDepth;
+    if (split_further && cell.depth < deepest && (cell.children >= 0 || cells_.size() < limit)) {
+      const int first = cell.children >= 0 ? cell.children : split(index);
+      for (int k = 0; k < 4; ++k) stack_.push_back(first + k);
+      continue;
+    }
+    if (kind == Kind::smooth || cells_.size() >= limit) {
+      answer.undecided.push_back(place(cell, 0.0, 0.0));
+    }
+    refine_from_samples(cells_[index], p, answer);
+  }
+  return answer;
+}
+
+}  // namespace caustic::solver

@@ -1,0 +1,75 @@
+// All rays of a family that pass through a point: point location in the image of a subdivision of
+// the first surface, then Newton's method. The subdivision is refined where a question needs it and
+// kept for the next one. NOTATION.md (S36), (S37).
+#pragma once
+
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+#include "geometry/chart.h"
+#include "solver/pencil.h"
+
+namespace caustic::solver {
+
+class PathSearch {
+ public:
+  /// `extent` is what of the first surface is searched.
+  PathSearch(PencilTracer tracer, const geometry::Extent& extent);
+
+  const PencilTracer& tracer() const { return tracer_; }
+
+  struct Answer {
+    std::vector<Pencil> pencils;  ///< each meets p; apertures and visibility are not looked at
+    /// First hits in cells that were given up: about a caustic through p, or a perfect focus.
+    std::vector<Point> undecided;
+  };
+  /// Not thread-safe: the subdivision grows.
+  Answer through(const Point& p);
+  std::size_t cells() const { return cells_.size(); }
+
+ private:
+  // A ray in the frame (u, v, w) of a cell: places relative to its middle ray's o.
+  struct LocalRay {
+    Vec3 o, w;
+  };
+  enum class Kind : std::uint8_t { dead, broken, wide, smooth };
+  struct Cell {
+    int chart, i, j, depth;  // lower corner in units of the finest cells
+    Kind kind = Kind::dead;
+    int children = -1;  // first of four
+    Direction u, v, w;
+    Point o;
+    std::array<LocalRay, 9> rays;         // 3 × 3, s fastest
+    double reach_o = 0.0, reach_w = 0.0;  // spread of places and directions across w, inflated
+    double behind = 0.0;                  // how far before o a ray of the cell may start
+  };
+  struct Sample {
+    Point x;
+    Pencil ray;
+    bool valid;
+  };
+  struct Locus;  // a cell's image in the plane through p across its middle ray
+
+  int sample(int chart, int i, int j);
+  void make(Cell& cell);
+  double apparent_size(const Point& middle, double radius) const;
+  bool may_come(const Point& middle, double radius) const;
+  bool jumps(const Cell& cell) const;
+  int split(int cell);
+  bool may_pass(const Cell& cell, const Point& p, Locus& locus) const;
+  void refine(const Point& start, const Point& p, Answer& answer) const;
+  void refine_from_samples(const Cell& cell, const Point& p, Answer& answer);
+  Point place(const Cell& cell, double s, double t) const;
+
+  PencilTracer tracer_;
+  std::vector<geometry::Chart> charts_;
+  double scale_;
+  int base_;
+  std::vector<Cell> cells_;
+  std::vector<Sample> samples_;
+  std::unordered_map<std::uint64_t, int> known_;
+  std::vector<int> stack_;
+};
+
+}  // namespace caustic::solver
