@@ -1,0 +1,415 @@
+#include "solver/certify_paths.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "geometry/enclosure.h"
+
+namespace caustic::solver {
+
+using geometry::Interval;
+using geometry::IntervalVec3;
+using geometry::SurfaceEnclosure;
+
+namespace {
+
+constexpr int kMaxUnknowns = 3 * kMaxPathHops;
+// A box is widened by this share before it is asked whether it holds one root, so that a root on
+// the face between two boxes is inside of one of them.
+constexpr double kInflate = 0.2;
+// Widths of directions, and of normals as a share of them, up to which that is tried.
+constexpr double kLinear = 0.5;
+// A contraction that leaves more than this share of the widest side is not worth another round.
+constexpr double kWorthwhile = 0.7;
+// Rounds of Krawczyk's operator on a proven box: it converges quadratically.
+constexpr int kSharpen = 12;
+// Proven boxes sharpened to this share of the scene hold the same root if they meet.
+constexpr double kSameRoot = 1e-9;
+
+using Midpoint = std::array<Point, kMaxPathHops>;
+
+struct PathBox {
+  std::array<IntervalVec3, kMaxPathHops> x;
+};
+
+Interval dot(const IntervalVec3& a, const IntervalVec3& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+IntervalVec3 cross(const IntervalVec3& a, const Vec3& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+IntervalVec3 subtract(const IntervalVec3& a, const IntervalVec3& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+IntervalVec3 scaled(const Interval& k, const IntervalVec3& a) {
+  return {k * a[0], k * a[1], k * a[2]};
+}
+
+// One segment: unit direction w along the light, and the upper half of (I − wwᵀ)/d.
+struct Span {
+  IntervalVec3 w;
+  Interval bend[3][3];
+};
+
+// One choice of sides for the surfaces that refract, and with it all indices.
+class Search {
+ public:
+  Search(const std::vector<PathSurface>& surfaces, const std::vector<geometry::Box>& regions,
+         const Point& from, const Point& to, double scale, const CertifyOptions& options,
+         const std::vector<int>& sides, CertifiedRoots& result)
+      : surfaces_(surfaces),
+        from_(geometry::intervals(from)),
+        to_(geometry::intervals(to)),
+        scale_(scale),
+        options_(options),
+        sides_(sides),
+        result_(result),
+        n_(static_cast<int>(surfaces.size())) {
+    double index = 1.0;
+    index_.push_back(index);
+    for (int i = 0; i < n_; ++i) {
+      const PathSurface& s = surfaces[i];
+      if (!s.reflects) {
+        index *= sides[i] > 0 ? s.index_inside / s.index_outside : s.index_outside / s.index_inside;
+      }
+      index_.push_back(index);
+    }
+    PathBox whole;
+    for (int i = 0; i < n_; ++i) whole.x[i] = geometry::intervals(regions[i]);
+    stack_.push_back(whole);
+  }
+
+  void run() {
+    while (!stack_.empty()) {
+      if (result_.boxes >= options_.max_boxes) {
+        result_.undecided += stack_.size();
+        return;
+      }
+      PathBox box = stack_.back();
+      stack_.pop_back();
+      ++result_.boxes;
+      treat(box);
+    }
+  }
+
+ private:
+  enum class Verdict { empty, one, contracted, none };
+
+  void treat(PathBox& box);
+  bool impossible(const PathBox& box);
+  bool promising(const PathBox& box) const;
+  Verdict krawczyk(const PathBox& widened, PathBox& box);
+  void accept(PathBox box);
+  void divide(const PathBox& box);
+  void enclose(const PathBox& box);
+  Interval residual(int i, int row, const IntervalVec3& tangent) const;
+  double widest(const PathBox& box, int& hop, int& axis) const;
+  IntervalVec3 miss(int i) const {
+    return subtract(scaled(Interval(index_[i]), spans_[i].w),
+                    scaled(Interval(index_[i + 1]), spans_[i + 1].w));
+  }
+
+  const std::vector<PathSurface>& surfaces_;
+  IntervalVec3 from_, to_;
+  double scale_;
+  const CertifyOptions& options_;
+  const std::vector<int>& sides_;
+  CertifiedRoots& result_;
+  int n_;
+  std::vector<double> index_;
+  std::vector<PathBox> stack_;
+  std::vector<PathBox> proven_;
+  // Of the box looked at.
+  std::array<SurfaceEnclosure, kMaxPathHops> surface_;
+  std::array<Span, kMaxPathHops + 1> spans_;
+};
+
+Interval clipped(const Interval& a) { return geometry::intersection(a, Interval(-1.0, 1.0)); }
+
+Span span_between(const IntervalVec3& a, const IntervalVec3& b) {
+  Span s;
+  const IntervalVec3 v = subtract(b, a);
+  const Interval d = sqrt(geometry::squared_norm(v));
+  for (int i = 0; i < 3; ++i) s.w[i] = clipped(v[i] / d);
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      const Interval ww = i == j ? Interval(1.0) - sqr(s.w[i]) : -(s.w[i] * s.w[j]);
+      s.bend[i][j] = s.bend[j][i] = ww / d;
+    }
+  }
+  return s;
+}
+
+void Search::enclose(const PathBox& box) {
+  for (int i = 0; i < n_; ++i) surface_[i] = surfaces_[i].shape->enclose(box.x[i]);
+  for (int k = 0; k <= n_; ++k) {
+    spans_[k] = span_between(k == 0 ? from_ : box.x[k - 1], k == n_ ? to_ : box.x[k]);
+  }
+}
+
+// No point of the box is on the surfaces, sends light the right way, or satisfies Fermat's
+// condition ∇g × (n_{i−1} w_{i−1} − n_i w_i) = 0.
+bool Search::impossible(const PathBox& box) {
+  for (int i = 0; i < n_; ++i) {
+    surface_[i] = surfaces_[i].shape->enclose(box.x[i]);
+    if (!surface_[i].g.contains_zero()) return true;
+    Point middle, half;
+    for (int a = 0; a < 3; ++a) {
+      middle[a] = box.x[i][a].middle();
+      half[a] = 0.5 * box.x[i][a].width();
+    }
+    const double radius = half.norm() * (1.0 + 1e-12);
+    for (const auto& bound : *surfaces_[i].bounds) {
+      if (bound.lower_bound_within(bound.value(middle), radius) > 1e-12 * scale_) return true;
+    }
+  }
+  for (int k = 0; k <= n_; ++k) {
+    spans_[k] = span_between(k == 0 ? from_ : box.x[k - 1], k == n_ ? to_ : box.x[k]);
+  }
+  for (int i = 0; i < n_; ++i) {
+    const IntervalVec3& N = surface_[i].gradient;
+    const Interval in = dot(N, spans_[i].w), out = dot(N, spans_[i + 1].w);
+    if (surfaces_[i].reflects) {
+      if ((in.lo > 0.0 && out.lo > 0.0) || (in.hi < 0.0 && out.hi < 0.0)) return true;
+    } else if (sides_[i] > 0 ? in.lo > 0.0 || out.lo > 0.0 : in.hi < 0.0 || out.hi < 0.0) {
+      return true;
+    }
+    const IntervalVec3 V = miss(i);
+    for (int a = 0; a < 3; ++a) {
+      const int b = (a + 1) % 3, c = (a + 2) % 3;
+      if (!(N[b] * V[c] - N[c] * V[b]).contains_zero()) return true;
+    }
+  }
+  return false;
+}
+
+// Krawczyk's operator can contract only where directions and normals vary little; asking costs less
+// than trying. `impossible` has just enclosed this box.
+bool Search::promising(const PathBox& box) const {
+  for (int k = 0; k <= n_; ++k) {
+    for (const Interval& w : spans_[k].w) {
+      if (w.width() > kLinear) return false;
+    }
+  }
+  for (int i = 0; i < n_; ++i) {
+    Point m;
+    for (int a = 0; a < 3; ++a) m[a] = box.x[i][a].middle();
+    Vec3 N;
+    surfaces_[i].shape->value_gradient(m, N);
+    const double length = N.norm();
+    for (int a = 0; a < 3; ++a) {
+      if (!(surface_[i].gradient[a].width() <= kLinear * length)) return false;
+    }
+  }
+  return true;
+}
+
+double Search::widest(const PathBox& box, int& hop, int& axis) const {
+  double width = -1.0;
+  for (int i = 0; i < n_; ++i) {
+    for (int a = 0; a < 3; ++a) {
+      if (box.x[i][a].width() <= width) continue;
+      width = box.x[i][a].width();
+      hop = i;
+      axis = a;
+    }
+  }
+  return width;
+}
+
+// (S39): K = m − Y F(m) + (I − Y F′(X)) (X − m) for the 3N equations V·(∇g × c₁) = 0, V·(∇g × c₂) =
+// 0, g = 0 per hop, c₁ and c₂ tangents in the middle.
+Search::Verdict Search::krawczyk(const PathBox& X, PathBox& box) {
+  Midpoint m;
+  std::array<geometry::Frame, kMaxPathHops> frames{
+      geometry::Frame(Vec3::UnitZ()), geometry::Frame(Vec3::UnitZ()),
+      geometry::Frame(Vec3::UnitZ()), geometry::Frame(Vec3::UnitZ()),
+      geometry::Frame(Vec3::UnitZ()), geometry::Frame(Vec3::UnitZ()),
+      geometry::Frame(Vec3::UnitZ()), geometry::Frame(Vec3::UnitZ())};
+  PathBox point;
+  for (int i = 0; i < n_; ++i) {
+    for (int a = 0; a < 3; ++a) m[i][a] = X.x[i][a].middle();
+    Vec3 N;
+    surfaces_[i].shape->value_gradient(m[i], N);
+    const double length = N.norm();
+    if (!(length > 0.0) || !std::isfinite(length)) return Verdict::none;
+    frames[i] = geometry::Frame(N / length);
+    point.x[i] = geometry::intervals(m[i]);
+  }
+  const int size = 3 * n_;
+  enclose(point);
+  std::array<Interval, kMaxUnknowns> F;
+  for (int i = 0; i < n_; ++i) {
+    const IntervalVec3 V = miss(i);
+    F[3 * i] = dot(V, cross(surface_[i].gradient, frames[i].e1));
+    F[3 * i + 1] = dot(V, cross(surface_[i].gradient, frames[i].e2));
+    F[3 * i + 2] = surface_[i].g;
+  }
+
+  enclose(X);
+  std::array<std::array<Interval, kMaxUnknowns>, kMaxUnknowns> J;
+  for (int r = 0; r < size; ++r) {
+    for (int c = 0; c < size; ++c) J[r][c] = Interval(0.0);
+  }
+  for (int i = 0; i < n_; ++i) {
+    const auto& [g, N, H] = surface_[i];
+    const Interval along = dot(N, geometry::intervals(frames[i].e1.cross(frames[i].e2)));
+    // Only then do the two tangential equations say that V is along ∇g.
+    if (along.contains_zero()) return Verdict::none;
+    const IntervalVec3 V = miss(i);
+    const Interval Hm[3][3] = {{H[0], H[1], H[2]}, {H[1], H[3], H[4]}, {H[2], H[4], H[5]}};
+    for (int row = 0; row < 2; ++row) {
+      const Vec3& c = row == 0 ? frames[i].e1 : frames[i].e2;
+      const IntervalVec3 t = cross(N, c), u = scaled(Interval(-1.0), cross(V, c));  // u = c × V
+      for (int a = 0; a < 3; ++a) {
+        Interval own = u[0] * Hm[0][a] + u[1] * Hm[1][a] + u[2] * Hm[2][a];
+        Interval before(0.0), after(0.0);
+        for (int b = 0; b < 3; ++b) {
+          before += t[b] * spans_[i].bend[b][a];
+          after += t[b] * spans_[i + 1].bend[b][a];
+        }
+        before *= Interval(index_[i]);
+        after *= Interval(index_[i + 1]);
+        own += before + after;
+        J[3 * i + row][3 * i + a] = own;
+        if (i > 0) J[3 * i + row][3 * (i - 1) + a] = -before;
+        if (i + 1 < n_) J[3 * i + row][3 * (i + 1) + a] = -after;
+      }
+    }
+    for (int a = 0; a < 3; ++a) J[3 * i + 2][3 * i + a] = N[a];
+  }
+
+  using Matrix =
+      Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxUnknowns, kMaxUnknowns>;
+  Matrix middle(size, size);
+  for (int r = 0; r < size; ++r) {
+    for (int c = 0; c < size; ++c) middle(r, c) = J[r][c].middle();
+  }
+  if (!middle.allFinite()) return Verdict::none;
+  Matrix Y = middle.inverse();
+  if (!Y.allFinite()) return Verdict::none;
+
+  bool inside = true;
+  Verdict verdict = Verdict::none;
+  for (int r = 0; r < size; ++r) {
+    const int hop = r / 3, axis = r % 3;
+    Interval K(m[hop][axis]);
+    for (int c = 0; c < size; ++c) K -= Y(r, c) * F[c];
+    for (int c = 0; c < size; ++c) {
+      Interval slope(r == c ? 1.0 : 0.0);
+      for (int k = 0; k < size; ++k) slope -= Y(r, k) * J[k][c];
+      K += slope * (X.x[c / 3][c % 3] - m[c / 3][c % 3]);
+    }
+    const Interval& wide = X.x[hop][axis];
+    inside &= K.lo > wide.lo && K.hi < wide.hi;
+    const Interval cut = geometry::intersection(box.x[hop][axis], K);
+    if (cut.empty()) {
+      verdict = Verdict::empty;
+      box.x[hop][axis] = geometry::intersection(wide, K);
+      continue;
+    }
+    box.x[hop][axis] = cut;
+  }
+  // Inside: there is exactly one root in X, be it in the box or beside it.
+  if (inside) return Verdict::one;
+  return verdict == Verdict::empty ? Verdict::empty : Verdict::contracted;
+}
+
+void Search::treat(PathBox& box) {
+  for (;;) {
+    if (impossible(box)) return;
+    for (const PathBox& known : proven_) {
+      bool within = true;
+      for (int i = 0; i < n_ && within; ++i) {
+        for (int a = 0; a < 3; ++a) within &= known.x[i][a].contains(box.x[i][a]);
+      }
+      if (within) return;
+    }
+    if (!promising(box)) return divide(box);
+    int hop = 0, axis = 0;
+    const double before = widest(box, hop, axis);
+    PathBox wide = box;
+    for (int i = 0; i < n_; ++i) {
+      for (int a = 0; a < 3; ++a) {
+        const double margin = kInflate * before;
+        wide.x[i][a] = {box.x[i][a].lo - margin, box.x[i][a].hi + margin};
+      }
+    }
+    PathBox contracted = box;
+    const Verdict verdict = krawczyk(wide, contracted);
+    if (verdict == Verdict::empty) return;
+    if (verdict == Verdict::one) {
+      proven_.push_back(wide);
+      return accept(wide);
+    }
+    if (verdict == Verdict::contracted) box = contracted;
+    const double after = widest(box, hop, axis);
+    if (after > kWorthwhile * before) return divide(box);
+  }
+}
+
+// Sharpens a proven box to a point, and keeps it if the optics obeys and it is new.
+void Search::accept(PathBox box) {
+  for (int k = 0; k < kSharpen; ++k) {
+    PathBox next = box;
+    const Verdict verdict = krawczyk(box, next);
+    int hop = 0, axis = 0;
+    const double before = widest(box, hop, axis), after = widest(next, hop, axis);
+    if (verdict == Verdict::empty || verdict == Verdict::none) break;
+    box = next;
+    if (after > 0.9 * before) break;
+  }
+  if (impossible(box)) return;
+  std::vector<Point> root(n_);
+  for (int i = 0; i < n_; ++i) {
+    for (int a = 0; a < 3; ++a) root[i][a] = box.x[i][a].middle();
+  }
+  for (const auto& other : result_.roots) {
+    double distance = 0.0;
+    for (int i = 0; i < n_; ++i) distance = std::max(distance, (other[i] - root[i]).norm());
+    if (distance <= kSameRoot * scale_) return;
+  }
+  result_.roots.push_back(std::move(root));
+}
+
+void Search::divide(const PathBox& box) {
+  int hop = 0, axis = 0;
+  const double width = widest(box, hop, axis);
+  if (!(width > options_.smallest * scale_)) {
+    ++result_.undecided;
+    return;
+  }
+  // Not in the middle: symmetric scenes have their roots there.
+  const Interval& side = box.x[hop][axis];
+  const double cut = side.lo + 0.4873 * side.width();
+  PathBox lower = box, upper = box;
+  lower.x[hop][axis].hi = cut;
+  upper.x[hop][axis].lo = cut;
+  stack_.push_back(lower);
+  stack_.push_back(upper);
+}
+
+}  // namespace
+
+CertifiedRoots certify_paths(const std::vector<PathSurface>& surfaces,
+                             const std::vector<geometry::Box>& regions, const Point& from,
+                             const Point& to, double scale, const CertifyOptions& options) {
+  CertifiedRoots result;
+  // Light may come to a refracting surface from either side; what it obeys then differs.
+  std::vector<int> refracting;
+  for (int i = 0; i < static_cast<int>(surfaces.size()); ++i) {
+    if (!surfaces[i].reflects) refracting.push_back(i);
+  }
+  for (int choice = 0; choice < 1 << refracting.size(); ++choice) {
+    std::vector<int> sides(surfaces.size(), 0);
+    for (std::size_t k = 0; k < refracting.size(); ++k) {
+      sides[refracting[k]] = choice >> k & 1 ? -1 : 1;
+    }
+    Search(surfaces, regions, from, to, scale, options, sides, result).run();
+  }
+  return result;
+}
+
+}  // namespace caustic::solver

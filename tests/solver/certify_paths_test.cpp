@@ -1,0 +1,119 @@
+#include "solver/certify_paths.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <iostream>
+
+#include "solver/paths_between.h"
+#include "tests/support/random.h"
+#include "tests/support/scenes.h"
+
+namespace caustic::solver {
+namespace {
+
+using test::Random;
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr int kPairs = 5;
+#else
+constexpr int kPairs = 40;  // 1000 by ISOCAUSTIC_PAIRS=1000
+#endif
+
+int pairs() {
+  const char* wanted = std::getenv("ISOCAUSTIC_PAIRS");
+  return wanted ? std::atoi(wanted) : kPairs;
+}
+
+struct Agreement {
+  int pairs = 0, paths = 0, most = 0, undecided = 0;
+  std::size_t boxes = 0;
+};
+
+// The search and the proof find the same paths, pair by pair.
+Agreement compare(const geometry::SurfacePtr& shape, double half, std::uint64_t seed) {
+  const auto system = OpticalSystem::build(PointLight{{0, 0, half}, 1.0}, {test::mirror(shape)},
+                                           test::floor_at({0, 0, -half}, 2.0 * half, 2.0 * half));
+  Random random(seed);
+  Agreement sum;
+  for (int k = 0; k < pairs(); ++k) {
+    PathsRequest request;
+    request.from = random.in_cube(half);
+    request.to = random.in_cube(half);
+    const auto fast = paths_between(system, request);
+    request.certify = true;
+    const auto certified = paths_between(system, request);
+    sum.boxes += certify_paths({path_surface(system.surfaces()[0])}, {system.surfaces()[0].region},
+                               request.from, request.to, system.diameter())
+                     .boxes;
+    ++sum.pairs;
+    sum.undecided += !certified.certified;
+    EXPECT_EQ(fast.undecided, 0u);
+    EXPECT_EQ(fast.paths.size(), certified.paths.size())
+        << "pair " << k << ": " << request.from.transpose() << " to " << request.to.transpose();
+    if (fast.paths.size() != certified.paths.size()) continue;
+    for (std::size_t i = 0; i < fast.paths.size(); ++i) {
+      EXPECT_LT((fast.paths[i].way.path.x[0] - certified.paths[i].way.path.x[0]).norm(), 1e-9);
+    }
+    sum.paths += static_cast<int>(fast.paths.size());
+    sum.most = std::max(sum.most, static_cast<int>(fast.paths.size()));
+  }
+  std::cout << sum.paths << " paths of " << sum.pairs << " pairs, at most " << sum.most << "; "
+            << sum.boxes / static_cast<std::size_t>(sum.pairs) << " boxes each, " << sum.undecided
+            << " undecided\n";
+  EXPECT_EQ(sum.undecided, 0);
+  return sum;
+}
+
+TEST(CertifyPaths, AgreesWithTheSearchInASphere) {
+  EXPECT_GE(compare(geometry::make_sphere({0, 0, 0}, 1.75), 1.0, 7201).most, 4);
+}
+TEST(CertifyPaths, AgreesWithTheSearchOutsideASphere) {
+  EXPECT_EQ(compare(geometry::make_sphere({0.1, 0.2, 0}, 0.7), 3.0, 7202).most, 1);
+}
+TEST(CertifyPaths, AgreesWithTheSearchInAnEllipsoid) {
+  const Mat3 turned = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+  EXPECT_GE(compare(geometry::make_ellipsoid({0, 0, 0}, {1.5, 2.0, 1.2}, turned), 1.0, 7203).most,
+            4);
+}
+TEST(CertifyPaths, AgreesWithTheSearchAroundATorus) {
+  const auto torus = geometry::make_torus({0, 0, 0}, Vec3(1, 1, 2).normalized(), 1.2, 0.5);
+  EXPECT_GE(compare(torus, 2.0, 7204).most, 2);
+}
+TEST(CertifyPaths, AgreesWithTheSearchAtAPlane) {
+  EXPECT_EQ(compare(geometry::make_plane({0, 0, 0.1}, Vec3(1, 0, 3).normalized()), 2.0, 7205).most,
+            1);
+}
+
+TEST(CertifyPaths, AWholeCircleOfPathsStaysUndecided) {
+  // Both points on the axis of a torus: every path can be turned about it.
+  const auto torus = geometry::make_torus({0, 0, 0}, {0, 0, 1}, 1.2, 0.5);
+  const auto system = OpticalSystem::build(PointLight{{0, 0, 2}, 1.0}, {test::mirror(torus)},
+                                           test::floor_at({0, 0, -1}, 2.0, 2.0));
+  const auto result =
+      certify_paths({path_surface(system.surfaces()[0])}, {system.surfaces()[0].region},
+                    {0, 0, 1.5}, {0, 0, -1}, system.diameter(), {.max_boxes = 20000});
+  EXPECT_GT(result.undecided, 0u);
+}
+
+// Straight crossings solve the equations of reflection; a box that holds only those is no path.
+TEST(CertifyPaths, CountsNoStraightCrossings) {
+  const auto sphere = geometry::make_sphere({0, 0, 0}, 1.0);
+  const auto system = OpticalSystem::build(PointLight{{0, 0, 3}, 1.0}, {test::mirror(sphere)},
+                                           test::floor_at({0, 0, -1}, 2.0, 2.0));
+  const auto result =
+      certify_paths({path_surface(system.surfaces()[0])}, {system.surfaces()[0].region},
+                    {0.1, 0.2, 0.3}, {0.4, 0.1, 3.0}, system.diameter());
+  EXPECT_EQ(result.undecided, 0u);
+  const Vec3 way = Vec3(0.4, 0.1, 3.0) - Vec3(0.1, 0.2, 0.3);
+  for (const auto& root : result.roots) {
+    // Off the straight line, and met from the side on which it is left.
+    const Point& x = root[0];
+    EXPECT_GT(way.normalized().cross(x - Vec3(0.1, 0.2, 0.3)).norm(), 1e-3);
+    EXPECT_LT(x.dot(x - Vec3(0.1, 0.2, 0.3)) * x.dot(Vec3(0.4, 0.1, 3.0) - x), 0.0);
+  }
+}
+
+}  // namespace
+}  // namespace caustic::solver
