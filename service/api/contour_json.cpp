@@ -1,9 +1,9 @@
 #include "service/api/contour_json.h"
 
 #include <cmath>
-#include <map>
 #include <nlohmann/json.hpp>
 
+#include "service/api/family_json.h"
 #include "service/api/identity.h"
 #include "service/api/json_text.h"
 #include "service/api/scene_json.h"
@@ -17,56 +17,6 @@ using solver::LevelRequest;
 
 constexpr double kDefaultTimeMs = 5000;
 constexpr int kDefaultVertices = 500'000;
-constexpr std::size_t kMaxFamilies = 10'000;
-
-/// Surface indices of one family: exactly one mirror in this version.
-std::vector<int> read_family(const JsonPlace& place, const Scene& scene,
-                             const std::map<std::string, int>& index, Faults& faults) {
-  std::vector<int> family;
-  const auto names = read_elements(place, kMaxBounces, faults);
-  for (const JsonPlace& name : names) {
-    const auto found = index.find(read_string(name, faults));
-    if (!name.value->is_string()) continue;
-    if (found == index.end()) {
-      faults.add(name.pointer, "no surface has this name");
-      continue;
-    }
-    family.push_back(found->second);
-    if (scene.surfaces[found->second].optics.kind != solver::Optics::Kind::mirror)
-      faults.add(name.pointer, "not a mirror");
-  }
-  if (place.value->is_array() && place.value->empty())
-    faults.add(place.pointer, "needs at least one surface");
-  if (names.size() > 1) faults.not_supported(place.pointer, "a family of more than one bounce");
-  return family;
-}
-
-void read_family_list(const JsonPlace& place, const Scene& scene, ContourRequest& request,
-                      Faults& faults) {
-  std::map<std::string, int> index;
-  for (std::size_t i = 0; i < scene.surfaces.size(); ++i)
-    index.emplace(scene.surfaces[i].name, static_cast<int>(i));
-  std::map<std::vector<int>, int> seen;
-  for (const JsonPlace& element : read_elements(place, kMaxFamilies, faults)) {
-    request.families.push_back(read_family(element, scene, index, faults));
-    if (!request.families.back().empty() && ++seen[request.families.back()] == 2)
-      faults.add(element.pointer, "given twice");
-  }
-  if (place.value->is_array() && place.value->empty())
-    faults.add(place.pointer, "needs at least one family");
-}
-
-void read_families(ObjectReader& root, const Scene& scene, ContourRequest& request) {
-  const JsonPlace place = root.member_or("families", json::object());
-  if (place.value->is_array()) return read_family_list(place, scene, request, root.faults());
-  if (!place.value->is_object())
-    return root.faults().add(place.pointer, "must be an array of families or an object");
-  ObjectReader families(place, root.faults());
-  const JsonPlace bounces = families.member_or("max_bounces", 1.0);
-  if (read_integer(bounces, 1, kMaxBounces, root.faults()) > 1)
-    root.faults().not_supported(bounces.pointer, "more than one bounce");
-  families.number_or("min_flux_share", {0.0, 1.0}, 1e-6);
-}
 
 /// 1-2-5 numbers between min and max: three a decade.
 bool too_many_one_two_five(const LevelRequest& levels) {
@@ -156,7 +106,7 @@ void read_what_is_to_come(ObjectReader& root) {
 Scene read_members(ObjectReader& root, ContourRequest& request, bool& store) {
   Scene scene;
   if (const auto place = root.member("scene")) scene = read_scene(*place, root.faults());
-  read_families(root, scene, request);
+  request.families = read_families(root, scene);
   read_levels(root, request.levels);
   read_what_is_to_come(root);
   read_include(root, request);
