@@ -44,6 +44,10 @@ int run_command_line(int argc, char** argv) {
   add_serve(app, serve_options);
   TraceOptions trace_options;
   add_trace(app, trace_options);
+  std::string irradiance_request;
+  app.add_subcommand("irradiance", "read the light at points of the receiver")
+      ->add_option("request", irradiance_request, "request file, - is stdin")
+      ->required();
   std::string example;
   app.add_subcommand("example", "print a ready request")
       ->add_option("name", example, "without it: list them all");
@@ -61,6 +65,7 @@ int run_command_line(int argc, char** argv) {
   }
   if (app.got_subcommand("serve")) return serve(serve_options);
   if (app.got_subcommand("trace")) return trace(trace_options);
+  if (app.got_subcommand("irradiance")) return irradiance(irradiance_request);
   if (app.got_subcommand("example")) return print_example(example);
   return check_health(health.host, health.port);
 }

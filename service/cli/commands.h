@@ -21,6 +21,9 @@ struct TraceOptions {
 };
 int trace(const TraceOptions& options);
 
+/// Answers `POST /v1/irradiance` on stdout; - is stdin.
+int irradiance(const std::string& request);
+
 /// Prints the request, or a list if there is no name.
 int print_example(const std::string& name);
 

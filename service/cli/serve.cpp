@@ -92,7 +92,7 @@ int serve(const ServeOptions& options) {
     const ResultStore store(options.data.empty() ? default_folder()
                                                  : std::filesystem::path(options.data));
     const ContourService contours(solver::trace_contours, store, &stopping);
-    const Routes routes(contours, store);
+    const Routes routes(contours, store, &stopping);
     Server server(routes, options.server);
     return listen(server, options.server.host, stopping);
   } catch (const std::system_error& error) {

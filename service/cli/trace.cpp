@@ -1,4 +1,5 @@
 #include <fstream>
+#include <functional>
 #include <iostream>
 #include <iterator>
 #include <optional>
@@ -12,6 +13,7 @@
 #include "service/contour_service.h"
 #include "service/examples/examples.h"
 #include "service/formats/format.h"
+#include "service/point_service.h"
 
 namespace caustic::service {
 namespace {
@@ -67,6 +69,25 @@ int trace_or_throw(const TraceOptions& options, const std::string& format) {
   return report(make_problem(507, "cannot write " + options.output));
 }
 
+int irradiance_or_throw(const std::string& request) {
+  const auto body = read_all(request);
+  if (!body) return report(make_problem(400, "cannot read " + request));
+  if (write_all("-", answer_irradiance(*body) + "\n")) return kDone;
+  return report(make_problem(507, "cannot write -"));
+}
+
+/// The one boundary of what goes wrong on the command line.
+int guarded(const std::function<int()>& command) {
+  try {
+    return command();
+  } catch (const ProblemError& error) {
+    return report(error.problem());
+  } catch (const std::exception& error) {
+    std::cerr << "internal error: " << error.what() << std::endl;
+    return kFailed;
+  }
+}
+
 }  // namespace
 
 int trace(const TraceOptions& options) {
@@ -74,14 +95,11 @@ int trace(const TraceOptions& options) {
   if (format != "json" && !find_format(format))
     return report(
         make_problem(400, "unknown format '" + format + "': vtp, vtk, svg, geojson, csv or json"));
-  try {
-    return trace_or_throw(options, format);
-  } catch (const ProblemError& error) {
-    return report(error.problem());
-  } catch (const std::exception& error) {
-    std::cerr << "internal error: " << error.what() << std::endl;
-    return kFailed;
-  }
+  return guarded([&] { return trace_or_throw(options, format); });
+}
+
+int irradiance(const std::string& request) {
+  return guarded([&] { return irradiance_or_throw(request); });
 }
 
 int print_example(const std::string& name) {

@@ -9,6 +9,7 @@
 #include "service/api/problem.h"
 #include "service/examples/examples.h"
 #include "service/formats/format.h"
+#include "service/point_service.h"
 
 namespace caustic::service {
 namespace {
@@ -65,6 +66,8 @@ struct Routes::Row {
 // clang-format off
 const Routes::Row Routes::kTable[] = {
     {"POST", "/v1/contours",    true,  &Routes::post_contours},
+    {"POST", "/v1/paths",       true,  &Routes::post_paths},
+    {"POST", "/v1/irradiance",  true,  &Routes::post_irradiance},
     {"GET",  "/v1/results/{}",  false, &Routes::get_result},
     {"GET",  "/v1/examples",    false, &Routes::list_examples},
     {"GET",  "/v1/examples/{}", false, &Routes::get_example},
@@ -114,6 +117,14 @@ HttpResponse Routes::dispatch(const HttpRequest& request) const {
 
 HttpResponse Routes::post_contours(const HttpRequest& request, const std::string&) const {
   return json_response(contours_.post(request.body));
+}
+
+HttpResponse Routes::post_paths(const HttpRequest& request, const std::string&) const {
+  return json_response(answer_paths(request.body, stopping_));
+}
+
+HttpResponse Routes::post_irradiance(const HttpRequest& request, const std::string&) const {
+  return json_response(answer_irradiance(request.body, stopping_));
 }
 
 /// `<id>` is the answer, `<id>.<suffix>` a file.

@@ -9,8 +9,10 @@ namespace caustic::service {
 
 class Routes {
  public:
-  Routes(const ContourService& contours, const ResultStore& store)
-      : contours_(contours), store_(store) {}
+  /// When `stopping` becomes true, calls about points end with 503.
+  Routes(const ContourService& contours, const ResultStore& store,
+         const std::atomic<bool>* stopping = nullptr)
+      : contours_(contours), store_(store), stopping_(stopping) {}
 
   /// Never throws: whatever goes wrong is an answer too.
   HttpResponse answer(const HttpRequest& request) const noexcept;
@@ -22,6 +24,8 @@ class Routes {
   HttpResponse dispatch(const HttpRequest& request) const;
 
   HttpResponse post_contours(const HttpRequest& request, const std::string& unused) const;
+  HttpResponse post_paths(const HttpRequest& request, const std::string& unused) const;
+  HttpResponse post_irradiance(const HttpRequest& request, const std::string& unused) const;
   HttpResponse get_result(const HttpRequest& request, const std::string& name) const;
   HttpResponse list_examples(const HttpRequest& request, const std::string& unused) const;
   HttpResponse get_example(const HttpRequest& request, const std::string& name) const;
@@ -30,6 +34,7 @@ class Routes {
 
   const ContourService& contours_;
   const ResultStore& store_;
+  const std::atomic<bool>* stopping_;
 };
 
 HttpResponse problem_response(const Problem& problem);

@@ -61,6 +61,21 @@ TEST_F(CommandLineTest, bad_input_is_2_with_the_problem_on_stderr) {
   EXPECT_EQ(run_program({}).exit_code, 2);
 }
 
+TEST_F(CommandLineTest, reads_irradiance) {
+  const ProgramResult result = run_program({"irradiance", request_file(irradiance_request())});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(json::parse(result.out)["points"].size(), 2u);
+  EXPECT_EQ(run_program({"irradiance", "-"}, irradiance_request().dump()).out, result.out);
+  json request = irradiance_request();
+  request["points"] = json::array();
+  const ProgramResult bad = run_program({"irradiance", "-"}, request.dump());
+  EXPECT_EQ(bad.exit_code, 2);
+  EXPECT_EQ(bad.out, "");
+  EXPECT_EQ(json::parse(bad.err)["errors"][0]["pointer"], "/points");
+  EXPECT_EQ(run_program({"irradiance", file("absent.json")}).exit_code, 2);
+  EXPECT_EQ(run_program({"irradiance"}).exit_code, 2);
+}
+
 TEST_F(CommandLineTest, what_fails_is_1) {
   const std::string request = request_file(ball_request());
   EXPECT_EQ(run_program({"trace", request, "-o", file("no/such/folder/out.vtp")}).exit_code, 1);

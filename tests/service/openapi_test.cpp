@@ -6,6 +6,7 @@
 #include "service/examples/examples.h"
 #include "service/formats/format.h"
 #include "service/http/routes.h"
+#include "service/point_service.h"
 #include "tests/support/requests.h"
 #include "tests/support/stub_engine.h"
 #include "tests/support/temporary_folder.h"
@@ -98,6 +99,21 @@ TEST(Openapi, answers_fit_it) {
   expect_valid("Problem", json::parse(bad.body));
 }
 
+TEST(Openapi, calls_about_points_fit_it) {
+  expect_valid("PathRequest", test::path_request());
+  expect_valid("PathAnswer", json::parse(answer_paths(test::path_request().dump())));
+  expect_valid("IrradianceRequest", test::irradiance_request());
+  expect_valid("IrradianceAnswer",
+               json::parse(answer_irradiance(test::irradiance_request().dump())));
+}
+
+/// A body that the path takes.
+json body_for(const std::string& path) {
+  if (path == "/v1/paths") return test::path_request();
+  if (path == "/v1/irradiance") return test::irradiance_request();
+  return test::ball_request();
+}
+
 TEST(Openapi, every_path_is_served_and_every_format_is_there) {
   const test::TemporaryFolder folder;
   const ResultStore store(folder.path());
@@ -112,7 +128,7 @@ TEST(Openapi, every_path_is_served_and_every_format_is_there) {
     for (const auto& [method, operation] : methods.items()) {
       const bool is_post = method == "post";
       const auto response = routes.answer({is_post ? "POST" : "GET", target, "application/json",
-                                           is_post ? test::ball_request().dump() : "", false});
+                                           is_post ? body_for(path).dump() : "", false});
       EXPECT_EQ(response.status, 200) << path;
       EXPECT_TRUE(operation["responses"]["200"]["content"].contains(response.content_type)) << path;
     }

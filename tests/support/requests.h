@@ -18,6 +18,24 @@ inline nlohmann::json ball_request() {
     "levels": [0.0003, 0.0005]})");
 }
 
+/// From the lamp over the ball to a point beside it, with everything that there is to ask.
+inline nlohmann::json path_request() {
+  nlohmann::json request{{"scene", ball_request()["scene"]}};
+  request["from"] = {0.3, 0.2, 4};
+  request["to"] = {2, 1, 3};
+  request["hessians"] = true;
+  request["certify"] = true;
+  request["perturb"] = {0.01, 0.0, 0.02};
+  return request;
+}
+
+inline nlohmann::json irradiance_request() {
+  nlohmann::json request{{"scene", ball_request()["scene"]}};
+  request["direct"] = true;
+  request["points"] = {{0.0, 0.0}, {1.5, -2.0}};
+  return request;
+}
+
 inline nlohmann::json& surface(nlohmann::json& request, std::size_t i = 0) {
   return request["scene"]["surfaces"][i];
 }

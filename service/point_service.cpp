@@ -1,0 +1,42 @@
+#include "service/point_service.h"
+
+#include <chrono>
+
+#include "service/api/irradiance_json.h"
+#include "service/api/path_json.h"
+#include "service/api/problem.h"
+
+namespace caustic::service {
+namespace {
+
+// A call is one answer; what takes longer has to be asked in parts.
+constexpr auto kLongest = std::chrono::seconds(60);
+
+void throw_if_stopping(const std::atomic<bool>* stopping) {
+  if (stopping && *stopping) throw ProblemError(make_problem(503, "the service is stopping"));
+}
+
+}  // namespace
+
+std::string answer_paths(std::string_view body, const std::atomic<bool>* stopping) {
+  const PathCall call = read_path_call(body);
+  throw_if_stopping(stopping);
+  return path_answer(call, solver::paths_between(call.system, call.request));
+}
+
+std::string answer_irradiance(std::string_view body, const std::atomic<bool>* stopping) {
+  const IrradianceCall call = read_irradiance_call(body);
+  const auto deadline = std::chrono::steady_clock::now() + kLongest;
+  solver::LightMeter meter(call.system, call.families, call.direct);
+  std::vector<solver::PointIrradiance> readings;
+  readings.reserve(call.points.size());
+  for (const geometry::Vec2& q : call.points) {
+    throw_if_stopping(stopping);
+    if (std::chrono::steady_clock::now() > deadline)
+      throw ProblemError(make_problem(503, "more than a minute of work: ask for fewer points"));
+    readings.push_back(meter.at(q));
+  }
+  return irradiance_answer(call, readings);
+}
+
+}  // namespace caustic::service

@@ -1,0 +1,91 @@
+#include "solver/point_irradiance.h"
+
+#include <cmath>
+
+#include "solver/paths_between.h"
+
+namespace caustic::solver {
+
+namespace {
+
+// |a| below this share of its natural scale: a point this near to the caustic, about the square of
+// the share in lengths of the image, cannot be told from one on it after rounding.
+constexpr double kCausticShare = 1e-7;
+
+}  // namespace
+
+LightMeter::LightMeter(const OpticalSystem& system, const std::vector<Family>& families,
+                       bool direct)
+    : system_(system),
+      direct_(direct),
+      families_(families.empty() ? single_hop_families(system) : families) {
+  for (const Family& family : families_) finders_.emplace_back(system, family, system.light());
+}
+
+const ForwardMap& LightMeter::map_of(int family, const std::vector<Point>& hits) {
+  std::vector<int> sides;
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    Vec3 N;
+    system_.surfaces()[families_[family][i]].shape->value_gradient(hits[i], N);
+    const Vec3 in =
+        i == 0 ? finders_[family].tracer().incident(hits[0]) : Vec3(hits[i] - hits[i - 1]);
+    sides.push_back(N.dot(in) < 0.0 ? 1 : -1);
+  }
+  auto& map = maps_[{family, sides}];
+  if (!map) map = std::make_unique<ForwardMap>(system_, families_[family].front(), sides.front());
+  return *map;
+}
+
+PointIrradiance LightMeter::at(const Vec2& q) {
+  PointIrradiance sum;
+  const auto& receiver = system_.receiver();
+  const Point p = receiver.point(q);
+  for (int id = 0; id < static_cast<int>(families_.size()); ++id) {
+    auto answer = finders_[id].to(p);
+    sum.on_caustic |= answer.undecided > 0;
+    for (FamilyPath& way : answer.paths) {
+      const FieldPoint f = map_of(id, way.path.x).evaluate(way.path.x.front());
+      if (!f.finite || !(f.flux > 0.0)) continue;  // parallel to the receiver, or grazing: E = 0
+      if (std::abs(f.a) <= kCausticShare * f.scale_of_a() || f.looks_degenerate()) {
+        sum.on_caustic = true;
+        continue;
+      }
+      const Vec2 slope = f.irradiance_gradient();
+      const Vec3 gradient = slope.x() * receiver.u + slope.y() * receiver.v;
+      sum.E += f.irradiance();
+      sum.gradient += gradient;
+      sum.sheets.push_back(
+          {id, f.a > 0.0 ? 1 : -1, f.irradiance(), gradient, std::move(way.path.x)});
+    }
+  }
+  if (direct_) add_direct(p, sum);
+  if (sum.on_caustic) {
+    sum.E = 0.0;
+    sum.gradient.setZero();
+  }
+  return sum;
+}
+
+// I |m·d|/|d|³ of a point source, E_b |m·ω| of a beam, unless something stands in the way.
+void LightMeter::add_direct(const Point& p, PointIrradiance& sum) const {
+  const auto& receiver = system_.receiver();
+  if (const auto* point = std::get_if<PointLight>(&system_.light())) {
+    const Vec3 d = p - point->position;
+    const double dd = d.squaredNorm();
+    if (!(dd > 0.0) || segment_hidden(system_, point->position, -1, p, -1)) return;
+    const double E = point->intensity * std::abs(receiver.m.dot(d)) / (dd * std::sqrt(dd));
+    sum.E += E;
+    sum.gradient -=
+        3.0 * E / dd * (d.dot(receiver.u) * receiver.u + d.dot(receiver.v) * receiver.v);
+  } else {
+    const auto& beam = std::get<CollimatedLight>(system_.light());
+    double reach = 0.0;
+    for (const auto& s : system_.surfaces()) {
+      reach = std::max(reach, (s.region.center() - p).norm() + s.region.diagonal());
+    }
+    if (segment_hidden(system_, p - reach * beam.direction, -1, p, -1)) return;
+    sum.E += beam.irradiance * std::abs(receiver.m.dot(beam.direction));
+  }
+}
+
+}  // namespace caustic::solver
