@@ -13,6 +13,8 @@ constexpr double kReach = 2e3;
 // and so many roundings of its place more.
 constexpr double kEndShare = 1e-7;
 constexpr double kEndRoundings = 1e3;
+// Light nearer to a surface than this share of the scene is taken to lie on it.
+constexpr double kOnSurfaceShare = 1e-9;
 // Apertures are closed sets, and points on them are known to rounding.
 constexpr double kApertureSlack = 1e-12;
 
@@ -24,6 +26,27 @@ PencilTracer make_tracer(const OpticalSystem& system, const Family& family, cons
 
 geometry::Extent extent_of(const OpticalSystem& system, int surface) {
   return {system.surfaces()[surface].region, system.center(), system.diameter()};
+}
+
+// A segment that leaves a convex body on its outside never meets it again.
+bool leaves_convex(const geometry::Surface& shape, const Point& x, const Vec3& direction) {
+  Vec3 N;
+  shape.value_gradient(x, N);
+  const double along = N.dot(direction);
+  return along != 0.0 && shape.convex(along > 0.0 ? 1 : -1);
+}
+
+// The side from which light must come to a surface without holes, or 0 if it may be either.
+int lit_side(const SystemSurface& surface, const Light& light, double scale) {
+  const auto* point = std::get_if<PointLight>(&light);
+  if (!point || !surface.shape->own_bounds().empty()) return 0;
+  for (const auto& bound : surface.bounds) {
+    if (bound.origin == geometry::Bound::Origin::aperture) return 0;
+  }
+  Vec3 N;
+  const double g = surface.shape->value_gradient(point->position, N);
+  if (std::abs(g) <= kOnSurfaceShare * scale * N.norm()) return 0;
+  return g > 0.0 ? 1 : -1;
 }
 
 }  // namespace
@@ -45,6 +68,10 @@ bool segment_hidden(const OpticalSystem& system, const Point& a, int from, const
   for (int i = 0; i < static_cast<int>(system.surfaces().size()); ++i) {
     const auto& surface = system.surfaces()[i];
     if (!surface.region.may_meet(ray, 1e-9 * system.diameter())) continue;
+    if ((i == from && leaves_convex(*surface.shape, a, ray.direction)) ||
+        (i == to && i != from && leaves_convex(*surface.shape, b, -ray.direction))) {
+      continue;
+    }
     roots.clear();
     surface.shape->crossings(ray, i == from ? -near : 0.0, i == to ? 1.0 + near : 1.0, roots);
     const auto drop_nearest = [&](double end) {
@@ -67,7 +94,8 @@ bool segment_hidden(const OpticalSystem& system, const Point& a, int from, const
 PathFinder::PathFinder(const OpticalSystem& system, Family family, const Light& light)
     : system_(system),
       family_(std::move(family)),
-      search_(make_tracer(system, family_, light), extent_of(system, family_.front())) {}
+      search_(make_tracer(system, family_, light), extent_of(system, family_.front()),
+              lit_side(system.surfaces()[family_.front()], light, system.diameter())) {}
 
 Point PathFinder::source_of(const Point& x) const {
   if (const auto* point = std::get_if<PointLight>(&tracer().light())) return point->position;
@@ -104,14 +132,7 @@ bool PathFinder::visible(const Point& from, const std::vector<Point>& hits, cons
 std::optional<FamilyPath> PathFinder::admit(const std::vector<Point>& hits, const Point& p) const {
   const Point from = source_of(hits.front());
   if (!exists(hits) || !visible(from, hits, p)) return std::nullopt;
-  FamilyPath found{tracer().chain(hits), {from, p, hits, {}}};
-  // Newton has made the ray meet p; Fermat's system ties the hits together to the last digit.
-  if (std::holds_alternative<PointLight>(tracer().light())) {
-    PolishResult sharp = polish(found.chain, found.path);
-    if (sharp.converged) found.path = std::move(sharp.path);
-  }
-  fit_multipliers(found.chain, found.path);
-  return found;
+  return FamilyPath{tracer().chain(hits), {from, p, hits, {}}};
 }
 
 PathFinder::Answer PathFinder::to(const Point& p) {

@@ -17,6 +17,8 @@ constexpr int kBaseOfMany = 4;
 constexpr int kFoldDepth = 20;
 constexpr int kBrokenDepth = 7;
 constexpr int kDeepest = 22;
+// Cells none of whose nine places is lit are dark from here on.
+constexpr int kDarkDepth = 1;
 // Cells none of whose nine rays arrives are taken for empty once they look this small from the
 // light, or none of their rays comes near the surface that they miss.
 constexpr double kSeekShare = 0.05;
@@ -67,11 +69,12 @@ struct PathSearch::Locus {
   bool injective() const { return least_stretch() > kInjective * bending(); }
 };
 
-PathSearch::PathSearch(PencilTracer tracer, const geometry::Extent& extent)
+PathSearch::PathSearch(PencilTracer tracer, const geometry::Extent& extent, int lit_side)
     : tracer_(std::move(tracer)),
       charts_(tracer_.first().shape->charts(extent)),
       scale_(extent.scale),
-      base_(charts_.size() == 1 ? kBaseOfOne : kBaseOfMany) {
+      base_(charts_.size() == 1 ? kBaseOfOne : kBaseOfMany),
+      lit_side_(lit_side) {
   const int size = 1 << kDeepest;
   for (int chart = 0; chart < static_cast<int>(charts_.size()); ++chart) {
     for (int i = 0; i < base_; ++i) {
@@ -96,6 +99,7 @@ int PathSearch::sample(int chart, int i, int j) {
     const double unit = 1.0 / (base_ * double(1 << kDeepest));
     Sample s;
     s.x = charts_[chart].point(i * unit, j * unit);
+    s.lit = lit_side_ == 0 || lit_from(s.x) == lit_side_;
     s.valid = s.x.allFinite() && tracer_.trace_ray(s.x, s.ray);
     samples_.push_back(s);
   }
@@ -112,12 +116,14 @@ Point PathSearch::place(const Cell& cell, double s, double t) const {
 void PathSearch::make(Cell& cell) {
   const int half = 1 << (kDeepest - cell.depth - 1);
   std::array<int, 9> index;
-  int valid = 0;
+  int valid = 0, lit = 0;
   double radius = 0.0;
   for (int k = 0; k < 9; ++k) {
     index[k] = sample(cell.chart, cell.i + (k % 3) * half, cell.j + (k / 3) * half);
     valid += samples_[index[k]].valid;
+    lit += samples_[index[k]].lit;
   }
+  if (lit == 0 && cell.depth >= kDarkDepth) return;
   for (int k = 0; k < 9; ++k) {
     radius = std::max(radius, (samples_[index[k]].x - samples_[index[4]].x).norm());
   }
@@ -175,6 +181,12 @@ void PathSearch::make(Cell& cell) {
   cell.reach_o *= kSpreadFactor;
   cell.reach_w *= kSpreadFactor;
   cell.behind *= kSpreadFactor;
+}
+
+int PathSearch::lit_from(const Point& x) const {
+  Vec3 N;
+  tracer_.first().shape->value_gradient(x, N);
+  return N.dot(tracer_.incident(x)) < 0.0 ? 1 : -1;
 }
 
 // Square root of a cell's solid angle from the light.

@@ -14,8 +14,9 @@ namespace caustic::solver {
 
 class PathSearch {
  public:
-  /// `extent` is what of the first surface is searched.
-  PathSearch(PencilTracer tracer, const geometry::Extent& extent);
+  /// `extent` is what of the first surface is searched; `lit_side` = ±1 if light is known to come
+  /// to it from there, 0 if it may come from either side.
+  PathSearch(PencilTracer tracer, const geometry::Extent& extent, int lit_side = 0);
 
   const PencilTracer& tracer() const { return tracer_; }
 
@@ -48,11 +49,13 @@ class PathSearch {
     Point x;
     Pencil ray;
     bool valid;
+    bool lit;  ///< the light comes from the side that it can come from
   };
   struct Locus;  // a cell's image in the plane through p across its middle ray
 
   int sample(int chart, int i, int j);
   void make(Cell& cell);
+  int lit_from(const Point& x) const;
   double apparent_size(const Point& middle, double radius) const;
   bool may_come(const Point& middle, double radius) const;
   bool jumps(const Cell& cell) const;
@@ -65,7 +68,7 @@ class PathSearch {
   PencilTracer tracer_;
   std::vector<geometry::Chart> charts_;
   double scale_;
-  int base_;
+  int base_, lit_side_;
   std::vector<Cell> cells_;
   std::vector<Sample> samples_;
   std::unordered_map<std::uint64_t, int> known_;

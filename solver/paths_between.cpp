@@ -68,7 +68,13 @@ PathsResult paths_between(const OpticalSystem& system, const PathsRequest& reque
     }
     for (FamilyPath& way : paths) {
       PathFound found{id, std::move(way), 0.0, {}, {}};
-      const auto& [chain, path] = found.way;
+      const auto& chain = found.way.chain;
+      auto& path = found.way.path;
+      // The search has made the ray meet `to`; Fermat's system ties the points together to the last
+      // digit.
+      PolishResult sharp = polish(chain, path);
+      if (sharp.converged) path = std::move(sharp.path);
+      fit_multipliers(chain, path);
       found.optical_length = optical_length(chain, path);
       found.derivatives =
           path_derivatives(chain, path, request.hessians || request.shift.has_value());

@@ -81,9 +81,42 @@ TEST(CertifyPaths, AgreesWithTheSearchAroundATorus) {
   const auto torus = geometry::make_torus({0, 0, 0}, Vec3(1, 1, 2).normalized(), 1.2, 0.5);
   EXPECT_GE(compare(torus, 2.0, 7204).most, 2);
 }
+TEST(CertifyPaths, AgreesWithTheSearchAroundAVase) {
+  // [C] fig. 3.4: a = 5.80, b = −9.78, c = 3.90, d = 0.47, two units high.
+  const auto vase =
+      geometry::make_revolution({0, 0, -1}, {0, 0, 1}, 2.0, {0.47, 3.90, -9.78, 5.80});
+  EXPECT_GE(compare(vase.surface, 2.0, 7206).most, 2);
+}
 TEST(CertifyPaths, AgreesWithTheSearchAtAPlane) {
   EXPECT_EQ(compare(geometry::make_plane({0, 0, 0.1}, Vec3(1, 0, 3).normalized()), 2.0, 7205).most,
             1);
+}
+
+// Two hops: the product of both boxes, pruned hop by hop.
+TEST(CertifyPaths, AgreesWithTheSearchOverTwoMirrors) {
+  const auto system = OpticalSystem::build(PointLight{{3, 0, 2}, 1.0},
+                                           {test::mirror(geometry::make_sphere({0, 0, 0}, 1.0)),
+                                            test::mirror(geometry::make_sphere({0, 0, 4}, 1.5))},
+                                           test::floor_at({0, 0, -1}, 4.0, 4.0));
+  Random random(7207);
+  int paths = 0;
+  for (int k = 0; k < pairs() / 5; ++k) {
+    PathsRequest request;
+    request.from = random.in_cube(2.0) + Vec3(3, 0, 2);
+    request.to = random.in_cube(2.0) + Vec3(-3, 0, 2);
+    request.families = {{0, 1}, {1, 0}};
+    const auto fast = paths_between(system, request);
+    request.certify = true;
+    const auto certified = paths_between(system, request);
+    EXPECT_TRUE(certified.certified);
+    ASSERT_EQ(fast.paths.size(), certified.paths.size());
+    for (std::size_t i = 0; i < fast.paths.size(); ++i) {
+      EXPECT_EQ(fast.paths[i].family_id, certified.paths[i].family_id);
+      EXPECT_LT((fast.paths[i].way.path.x[1] - certified.paths[i].way.path.x[1]).norm(), 1e-9);
+    }
+    paths += static_cast<int>(fast.paths.size());
+  }
+  EXPECT_GT(paths, pairs() / 10);
 }
 
 TEST(CertifyPaths, AWholeCircleOfPathsStaysUndecided) {
