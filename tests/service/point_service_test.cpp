@@ -201,8 +201,8 @@ TEST(Irradiance, names_every_fault) {
 
 TEST(PointService, stops_when_the_service_does) {
   const std::atomic<bool> stopping = true;
-  for (const auto& call : {std::pair{answer_paths, path_request()},
-                           std::pair{answer_irradiance, irradiance_request()}}) {
+  for (const auto& call : {std::pair{&answer_paths, path_request()},
+                           std::pair{&answer_irradiance, irradiance_request()}}) {
     try {
       call.first(call.second.dump(), &stopping);
       ADD_FAILURE() << "was answered";
