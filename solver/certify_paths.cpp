@@ -24,7 +24,7 @@ constexpr double kLinear = 0.5;
 // A contraction that leaves more than this share of the widest side is not worth another round.
 constexpr double kWorthwhile = 0.7;
 // Rounds of Krawczyk's operator on a proven box: it converges quadratically.
-constexpr int kSharpen = 12;
+constexpr int kSharpen = 50;
 // Proven boxes sharpened to this share of the scene hold the same root if they meet.
 constexpr double kSameRoot = 1e-9;
 
@@ -359,9 +359,12 @@ void Search::accept(PathBox box) {
     const double before = widest(box, hop, axis), after = widest(next, hop, axis);
     if (verdict == Verdict::empty || verdict == Verdict::none) break;
     box = next;
-    if (after > 0.9 * before) break;
+    if (!(after < before)) break;
   }
   if (impossible(box)) return;
+  int hop = 0, axis = 0;
+  // Not sharp enough to tell it from another.
+  result_.undecided += widest(box, hop, axis) > kSameRoot * scale_;
   std::vector<Point> root(n_);
   for (int i = 0; i < n_; ++i) {
     for (int a = 0; a < 3; ++a) root[i][a] = box.x[i][a].middle();

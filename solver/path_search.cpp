@@ -165,7 +165,9 @@ void PathSearch::make(Cell& cell) {
     cell.reach_o = std::max(cell.reach_o, (ray.o.head<2>() - ray.o.z() * slope).norm());
     cell.behind = std::max(cell.behind, ray.o.norm());
   }
-  if (cell.kind == Kind::smooth && cell.depth >= kBrokenDepth && jumps(cell)) {
+  // Beside the light directions vary as much, but there it is the cell that is too large.
+  if (valid == 9 && cell.depth >= kBrokenDepth && tracer_.hops() > 1 &&
+      apparent_size(samples_[index[4]].x, radius) < kSeekShare && jumps(cell)) {
     cell.kind = Kind::broken;
   }
   if (cell.kind == Kind::broken) {
@@ -379,7 +381,7 @@ PathSearch::Answer PathSearch::through(const Point& p) {
       split_further = true;
     }
     const Cell& cell = cells_[index];
-    const int deepest = kind == Kind::smooth ? kFoldDepth : kBrokenDepth;
+    const int deepest = kind == Kind::broken ? kBrokenDepth : kFoldDepth;
     if (split_further && cell.depth < deepest && (cell.children >= 0 || cells_.size() < limit)) {
       const int first = cell.children >= 0 ? cell.children : split(index);
       for (int k = 0; k < 4; ++k) stack_.push_back(first + k);

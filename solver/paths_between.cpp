@@ -32,7 +32,11 @@ std::vector<FamilyPath> certified_paths(const OpticalSystem& system, const Famil
   result.undecided += proven.undecided;
   std::vector<FamilyPath> paths;
   for (const auto& root : proven.roots) {
-    if (auto path = finder.admit(root, request.to)) paths.push_back(*std::move(path));
+    const PolishResult sharp =
+        polish(finder.tracer().chain(root), {request.from, request.to, root, {}});
+    if (auto path = finder.admit(sharp.converged ? sharp.path.x : root, request.to)) {
+      paths.push_back(*std::move(path));
+    }
   }
   if (proven.undecided > 0) {
     for (FamilyPath& path : finder.to(request.to).paths) {

@@ -94,6 +94,18 @@ TEST(FindPaths, ConcaveSphereHasTwoOrFour) {
   EXPECT_GT(twos + fours, kPairs * 9 / 10);
 }
 
+// A light that nearly touches its mirror sees all of it in cells as small as its distance.
+TEST(FindPaths, FromALightBesideItsMirror) {
+  const auto system = scene_of({test::mirror(geometry::make_plane({0, 0, 0}, {0, 0, 1}))});
+  for (const double height : {1e-1, 1e-2, 1e-3, 1e-4}) {
+    const Point from(0.3, 0.2, height), to(1.5, -0.7, 0.8);
+    const auto found = paths(system, {0}, from, to);
+    ASSERT_EQ(found.paths.size(), 1u) << height;
+    const Point expected = from + height / (height + 0.8) * (to - from);
+    EXPECT_LT((found.paths[0].path.x[0].head<2>() - expected.head<2>()).norm(), 1e-11);
+  }
+}
+
 // Two plane mirrors at a right angle: the path goes over the twice mirrored point.
 TEST(FindPaths, OfTwoPlaneMirrorsAreThoseOfTheMirroredPoint) {
   const auto system = scene_of({test::mirror(geometry::make_plane({0, 0, 0}, {0, 0, 1})),
