@@ -47,4 +47,27 @@ inline Jet operator/(const Jet& a, const Jet& b) {
   return r;
 }
 
+/// Root of a jet with a positive value, from r² = a.
+inline Jet sqrt(const Jet& a) {
+  const double root = std::sqrt(a.v), half = 0.5 / root;
+  Jet r;
+  r.v = root;
+  r.s = half * a.s;
+  r.t = half * a.t;
+  r.ss = half * (a.ss - 2.0 * r.s * r.s);
+  r.st = half * (a.st - 2.0 * r.s * r.t);
+  r.tt = half * (a.tt - 2.0 * r.t * r.t);
+  return r;
+}
+/// Scalar product of two vectors of jets.
+template <class T>
+inline Jet dot(const JetOf<T>& a, const JetOf<T>& b) {
+  return {a.v.dot(b.v),
+          a.v.dot(b.s) + a.s.dot(b.v),
+          a.v.dot(b.t) + a.t.dot(b.v),
+          a.v.dot(b.ss) + 2.0 * a.s.dot(b.s) + a.ss.dot(b.v),
+          a.v.dot(b.st) + a.s.dot(b.t) + a.t.dot(b.s) + a.st.dot(b.v),
+          a.v.dot(b.tt) + 2.0 * a.t.dot(b.t) + a.tt.dot(b.v)};
+}
+
 }  // namespace caustic::geometry

@@ -96,7 +96,8 @@ bool visited(const std::vector<Track>& tracks, const FieldPoint& seed, double fu
     if (gap.off > 4.0 * gap.sagitta + fuzz) return false;
     if (gap.off <= 0.05 * gap.sagitta + fuzz) return true;
     const auto on_curve =
-        correct(evaluate, level, gap.foot, {1e-12, geometry::kInfinity, 2.0 * gap.off});
+        correct(evaluate, level, gap.foot, {1e-12, geometry::kInfinity, 2.0 * gap.off},
+                seed.hits.get());
     if (!on_curve) return false;
     const Vec3 apart = on_curve->x - seed.x, t = level.tangent(seed);
     return (apart - t * t.dot(apart)).norm() <= 0.2 * gap.off + fuzz;
@@ -129,7 +130,7 @@ std::optional<FieldPoint> settle(const Seed& seed, Evaluator& evaluate, const Fa
   const double slack = 100.0 * evaluate.map().rounding(f->x);
   if (worst.value <= slack) return f;
   // Found on the chord of a curved boundary: onto the boundary itself.
-  f = correct_at_end(evaluate, level, field.domain, worst.boundary, f->x, options);
+  f = correct_at_end(evaluate, level, field.domain, worst.boundary, f->x, options, f->hits.get());
   const double steep = f ? field.domain.gradient(worst.boundary, *f).norm() : 0.0;
   if (!f || field.domain.worst(*f).value > slack * (1.0 + steep)) return std::nullopt;
   return f;

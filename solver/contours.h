@@ -32,8 +32,11 @@ struct LevelRequest {
 };
 
 struct ContourRequest {
-  /// Families by surface index; empty means every mirror by itself (one bounce).
+  /// Families by surface index, each at most kMaxHops long; empty means those of at most `max_bounces`
+  /// that occur, and of these only what brings at least `min_flux_share` of all flux is traced.
   std::vector<std::vector<int>> families;
+  int max_bounces = 1;
+  double min_flux_share = 1e-6;
   LevelRequest levels;
   bool isolux = true;
   bool caustic = true;
@@ -53,7 +56,7 @@ struct ContourRequest {
 enum class CurveKind : std::uint8_t { isolux = 0, caustic = 1 };
 
 enum class Ending : std::uint8_t {
-  silhouette, aperture, shadow, occlusion, receiver_edge, limit
+  silhouette, aperture, shadow, occlusion, total_internal_reflection, receiver_edge, limit
 };
 
 struct CurveVertex {

@@ -15,8 +15,8 @@ constexpr double kRoundings = 4.0;
 }  // namespace
 
 std::optional<FieldPoint> correct(Evaluator& evaluate, const LevelFunction& f, const Point& x,
-                                  const CorrectorOptions& options) {
-  const auto at = correct(evaluate, f, evaluate.on_surface(x), options);
+                                  const CorrectorOptions& options, const Hit* near) {
+  const auto at = correct(evaluate, f, evaluate.on_surface(x, near), options);
   return at && (at->x - x).norm() <= options.trust ? at : std::nullopt;
 }
 
@@ -36,15 +36,15 @@ std::optional<FieldPoint> correct(Evaluator& evaluate, const LevelFunction& f,
     if (i > 2 && residual >= 0.5 * previous && residual < 1e3 * floor + 1e-9) return at;
     previous = residual;
     if (!step.allFinite()) return std::nullopt;
-    at = evaluate.on_surface(at.x + step);
+    at = evaluate.on_surface(at.x + step, at.hits.get());
   }
   return std::nullopt;
 }
 
 std::optional<FieldPoint> correct_at_end(Evaluator& evaluate, const LevelFunction& f,
                                          const Domain& domain, int end, const Point& x,
-                                         const CorrectorOptions& options) {
-  FieldPoint at = evaluate.on_surface(x);
+                                         const CorrectorOptions& options, const Hit* near) {
+  FieldPoint at = evaluate.on_surface(x, near);
   double previous = geometry::kInfinity;
   for (int i = 0; i < kMaxSteps; ++i) {
     if (!at.finite || (at.x - x).norm() > options.trust) return std::nullopt;
@@ -63,7 +63,7 @@ std::optional<FieldPoint> correct_at_end(Evaluator& evaluate, const LevelFunctio
     if (on_curve && std::abs(h) <= kRoundings * rounding * (1.0 + K.row(1).norm())) return at;
     const Vec2 step = K.inverse() * Vec2(-f.value(at), -h);
     if (!step.allFinite()) return std::nullopt;
-    at = evaluate.on_surface(at.x + step.x() * at.e1 + step.y() * at.e2);
+    at = evaluate.on_surface(at.x + step.x() * at.e1 + step.y() * at.e2, at.hits.get());
   }
   return std::nullopt;
 }

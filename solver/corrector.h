@@ -22,9 +22,10 @@ struct CorrectorOptions {
 
 /// The point of the curve next to x, by steps of least length along the surface (S10); nothing if
 /// Newton's method leaves the trust region or does not converge, or where rounding of x alone moves
-/// the residual by more than kUndetermined: next to points where all levels meet.
+/// the residual by more than kUndetermined: next to points where all levels meet. Later hits are
+/// those next to the hits `near`, if given.
 std::optional<FieldPoint> correct(Evaluator& evaluate, const LevelFunction& f, const Point& x,
-                                  const CorrectorOptions& options);
+                                  const CorrectorOptions& options, const Hit* near = nullptr);
 /// The same from a point of the surface that has been evaluated.
 std::optional<FieldPoint> correct(Evaluator& evaluate, const LevelFunction& f,
                                   const FieldPoint& start, const CorrectorOptions& options);
@@ -32,6 +33,7 @@ std::optional<FieldPoint> correct(Evaluator& evaluate, const LevelFunction& f,
 /// The point next to x where the curve crosses the domain's boundary number `end`.
 std::optional<FieldPoint> correct_at_end(Evaluator& evaluate, const LevelFunction& f,
                                          const Domain& domain, int end, const Point& x,
-                                         const CorrectorOptions& options);
+                                         const CorrectorOptions& options,
+                                         const Hit* near = nullptr);
 
 }  // namespace caustic::solver

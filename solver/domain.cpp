@@ -4,18 +4,38 @@
 
 namespace caustic::solver {
 
-// After the aperture's bounds: silhouette, receiver's plane, then the edges −u, +u, −v, +v.
+// After the aperture's bounds: silhouette, receiver's plane, then the edges −u, +u, −v, +v, then later_.
+
+Domain::Domain(const ForwardMap& map) : map_(map), bounds_(map.mirror().bounds) {
+  for (int hop = 0; hop < map.hop_count(); ++hop) {
+    const SystemSurface& surface = map.surface(hop);
+    if (hop > 0) {
+      for (const auto& bound : surface.bounds) later_.push_back({Later::Kind::bound, hop, &bound});
+      later_.push_back({Later::Kind::grazing, hop, nullptr});
+    }
+    if (surface.optics.kind == Optics::Kind::refract && surface.optics.eta(map.hops()[hop].side) > 1.0) {
+      later_.push_back({Later::Kind::total_reflection, hop, nullptr});
+    }
+  }
+}
 
 double Domain::value(int i, const FieldPoint& f) const {
   if (i < bound_count()) return bounds_[i].value(f.x);
   const auto& receiver = map_.receiver();
   switch (i - bound_count()) {
     case 0: return -f.cos_alpha * receiver.width();
-    case 1: return std::copysign(1.0, f.facing) * receiver.m.dot(f.x - receiver.origin);
+    case 1: return std::copysign(1.0, f.facing) * receiver.m.dot(last(f) - receiver.origin);
     case 2: return -f.q.x() - receiver.half.x();
     case 3: return f.q.x() - receiver.half.x();
     case 4: return -f.q.y() - receiver.half.y();
-    default: return f.q.y() - receiver.half.y();
+    case 5: return f.q.y() - receiver.half.y();
+    default: break;
+  }
+  const Hit& hit = f.hits[later(i)->hop];
+  switch (later(i)->kind) {
+    case Later::Kind::bound: return later(i)->bound->value(hit.y);
+    case Later::Kind::grazing: return -hit.cosine * receiver.width();
+    default: return -hit.headroom * receiver.width();
   }
 }
 
@@ -24,11 +44,26 @@ Vec3 Domain::gradient(int i, const FieldPoint& f) const {
   const auto& receiver = map_.receiver();
   switch (i - bound_count()) {
     case 0: return -f.grad_cos * receiver.width();
-    case 1: return std::copysign(1.0, f.facing) * receiver.m;
+    case 1: {
+      if (map_.hop_count() == 1) return std::copysign(1.0, f.facing) * receiver.m;
+      const Hit& hit = f.hits[map_.hop_count() - 1];
+      return std::copysign(1.0, f.facing) *
+             (receiver.m.dot(hit.y_s) * f.e1 + receiver.m.dot(hit.y_t) * f.e2);
+    }
     case 2: return -(f.q_s.x() * f.e1 + f.q_t.x() * f.e2);
     case 3: return f.q_s.x() * f.e1 + f.q_t.x() * f.e2;
     case 4: return -(f.q_s.y() * f.e1 + f.q_t.y() * f.e2);
-    default: return f.q_s.y() * f.e1 + f.q_t.y() * f.e2;
+    case 5: return f.q_s.y() * f.e1 + f.q_t.y() * f.e2;
+    default: break;
+  }
+  const Hit& hit = f.hits[later(i)->hop];
+  switch (later(i)->kind) {
+    case Later::Kind::bound: {
+      const Vec3 slope = later(i)->bound->gradient(hit.y);
+      return slope.dot(hit.y_s) * f.e1 + slope.dot(hit.y_t) * f.e2;
+    }
+    case Later::Kind::grazing: return -hit.grad_cosine * receiver.width();
+    default: return -hit.grad_headroom * receiver.width();
   }
 }
 
@@ -37,21 +72,25 @@ double Domain::slope(int i, const FieldPoint& f, const Vec3& t, const Vec2& dq) 
   const auto& receiver = map_.receiver();
   switch (i - bound_count()) {
     case 0: return -f.grad_cos.dot(t) * receiver.width();
-    case 1: return std::copysign(1.0, f.facing) * receiver.m.dot(t);
+    case 1: return gradient(i, f).dot(t);
     case 2: return -dq.x();
     case 3: return dq.x();
     case 4: return -dq.y();
-    default: return dq.y();
+    case 5: return dq.y();
+    default: return gradient(i, f).dot(t);
   }
 }
 
 Ending Domain::ending(int i) const {
-  if (i < bound_count()) return Ending::aperture;
+  if (bound_of(i)) return Ending::aperture;
   switch (i - bound_count()) {
     case 0: return Ending::silhouette;
     case 1: return Ending::occlusion;
-    default: return Ending::receiver_edge;
+    default: break;
   }
+  if (!later(i)) return Ending::receiver_edge;
+  return later(i)->kind == Later::Kind::grazing ? Ending::silhouette
+                                                : Ending::total_internal_reflection;
 }
 
 Domain::Worst Domain::worst(const FieldPoint& f) const {

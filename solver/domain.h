@@ -1,6 +1,7 @@
 // Where curves of a family exist, as smooth functions that are positive where they do not (S12):
-// aperture bounds, silhouette, the receiver's plane, the receiver's edges. What other surfaces hide
-// is not part of it: see visibility.h.
+// aperture bounds, silhouette, the receiver's plane, the receiver's edges, and for each hop total
+// reflection and, after the first, the aperture and grazing incidence. What other surfaces hide is not
+// part of it: see visibility.h.
 #pragma once
 
 #include "solver/contours.h"
@@ -10,12 +11,16 @@ namespace caustic::solver {
 
 class Domain {
  public:
-  explicit Domain(const ForwardMap& map) : map_(map), bounds_(map.mirror().bounds) {}
+  explicit Domain(const ForwardMap& map);
 
   const ForwardMap& map() const { return map_; }
   /// Boundaries are numbered 0 … size() − 1.
-  int size() const { return bound_count() + 6; }
-  /// h at a point, a length; ≤ 0 inside.
+  int size() const { return first_later() + static_cast<int>(later_.size()); }
+  /// From this number on they belong to hops.
+  int first_later() const { return bound_count() + 6; }
+  /// Number of the silhouette of the first surface; the receiver's plane and edges follow.
+  int silhouette() const { return bound_count(); }
+  /// h at a point that `f` says is finite, a length; ≤ 0 inside.
   double value(int i, const FieldPoint& f) const;
   /// h as a function of the place alone, where it is one: aperture bounds; null otherwise.
   const geometry::Bound* bound(int i) const { return i < bound_count() ? &bounds_[i] : nullptr; }
@@ -26,13 +31,16 @@ class Domain {
   /// What h changes no faster than: the place x, its image q, or neither.
   enum class Slope { of_place, of_image, unknown };
   Slope slope_bound(int i) const {
-    if (i == bound_count()) return Slope::unknown;
-    return i <= bound_count() + 1 ? Slope::of_place : Slope::of_image;
+    if (i < bound_count()) return Slope::of_place;
+    if (i == bound_count() || i >= first_later()) return Slope::unknown;
+    if (i > bound_count() + 1) return Slope::of_image;
+    return map_.hop_count() == 1 ? Slope::of_place : Slope::unknown;
   }
   Ending ending(int i) const;
   /// True for the ball in which unbounded surfaces exist.
   bool is_clip(int i) const {
-    return i < bound_count() && bounds_[i].origin == geometry::Bound::Origin::clip;
+    const geometry::Bound* bound = bound_of(i);
+    return bound && bound->origin == geometry::Bound::Origin::clip;
   }
   /// The boundary furthest outside at f, and by how much; {0, value} may be negative (inside).
   struct Worst {
@@ -43,10 +51,28 @@ class Domain {
   bool contains(const FieldPoint& f) const { return f.arrives() && worst(f).value <= 0.0; }
 
  private:
+  // A boundary at a hop, seen on the first surface through its hit.
+  struct Later {
+    enum class Kind { bound, grazing, total_reflection };
+    Kind kind;
+    int hop;
+    const geometry::Bound* bound;  // of the first kind
+  };
   int bound_count() const { return static_cast<int>(bounds_.size()); }
+  const Later* later(int i) const { return i < first_later() ? nullptr : &later_[i - first_later()]; }
+  const geometry::Bound* bound_of(int i) const {
+    if (i < bound_count()) return &bounds_[i];
+    return later(i) ? later(i)->bound : nullptr;
+  }
+
+  // Where light leaves for the receiver.
+  const Point& last(const FieldPoint& f) const {
+    return map_.hop_count() == 1 ? f.x : f.hits[map_.hop_count() - 1].y;
+  }
 
   const ForwardMap& map_;
   const std::vector<geometry::Bound>& bounds_;
+  std::vector<Later> later_;
 };
 
 }  // namespace caustic::solver

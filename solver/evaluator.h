@@ -13,12 +13,15 @@ class Evaluator {
   Evaluator(const Evaluator&) = delete;
   Evaluator& operator=(const Evaluator&) = delete;
 
-  FieldPoint operator()(const Point& x) {
+  /// Later hits are those next to the hits `near`, if given.
+  FieldPoint operator()(const Point& x, const Hit* near = nullptr) {
     ++evaluations_;
-    return map_.evaluate(x);
+    return map_.evaluate(x, near);
   }
   /// The surface point next to x, evaluated.
-  FieldPoint on_surface(const Point& x) { return (*this)(map_.project(x)); }
+  FieldPoint on_surface(const Point& x, const Hit* near = nullptr) {
+    return (*this)(map_.project(x), near);
+  }
 
   const ForwardMap& map() const { return map_; }
   Budget& budget() { return budget_; }

@@ -22,7 +22,8 @@ constexpr int kBaseOfMany = 4;
 // Finest levels, counted from the base, for each reason to refine.
 constexpr int kBoundaryDepth = 2;  // the domain's boundary passes, or something hides a part
 constexpr int kFieldDepth = 8;     // a, σ or q vary
-constexpr int kPoleDepth = 5;      // some rays leave the receiver's plane
+constexpr int kPoleDepth = 5;      // some rays leave the receiver's plane, or some paths end
+constexpr int kMissDepth = 2;      // no sample has a path
 constexpr int kImageDepth = 24;    // the image is coarse against the window, or the light is near
 // The image of a cell inside the window: at most this share of the window's diagonal.
 constexpr double kImageShare = 0.2;
@@ -31,6 +32,8 @@ constexpr double kFieldVariation = 0.2;
 constexpr double kImageVariation = 0.1;
 // How far beyond the samples of a cell its values may reach, in their spread.
 constexpr double kOvershoot = 0.5;
+// Halvings of an edge until the last place with a path is known.
+constexpr int kPathEndHalvings = 24;
 // Corners on the domain's boundary are as near to it as this share of the edge they cut.
 constexpr double kClipShare = 1e-6;
 // The samples' spread about the middle underestimates a cell's radius on curved charts.
@@ -44,6 +47,8 @@ constexpr std::size_t kDeepCells = 20000;
 constexpr int kLateDepth = 4;
 
 constexpr int kFinest = 1 << kImageDepth;
+// The bounds of a chart's cell are numbered from here downwards, next to the domain's boundaries.
+constexpr int kFirstOfCell = -3;
 
 struct Span {
   double lo = geometry::kInfinity, hi = -geometry::kInfinity;
@@ -85,14 +90,21 @@ class Explorer {
     const FieldPoint& operator()(const Exploration& e, int k) const { return e.samples[samples[k]]; }
   };
 
-  bool outside(const Point& middle, double radius) const;
+  bool outside(int chart, const Point& middle, double radius) const;
   double find_opening() const;
   int sample(int chart, int i, int j);
   View look(const Square& c);
   Verdict judge(const Square& c, View& view);
   bool varies(const View& view) const;
   void keep(const Square& c, const View& view);
+  Verdict judge_at_path_ends(View& view);
+  bool wide_on_later(const View& view) const;
+  Corner path_end(int chart, const Corner& a, const Corner& b);
+  std::vector<Corner> clip_path_ends(int chart, const std::vector<Corner>& polygon);
+  const geometry::Bound* bound(int boundary, int chart) const;
+  double height(int boundary, int chart, const FieldPoint& f) const;
   Corner crossing(int boundary, int chart, const Corner& a, const Corner& b);
+  void clip_at(int boundary, int chart, std::vector<Corner>& polygon);
   std::vector<Corner> clip(int chart, std::vector<Corner> polygon);
   double hidden_share(const View& view);
   bool near_source(const View& view) const;
@@ -114,12 +126,14 @@ class Explorer {
   std::pmr::map<std::array<int, 3>, Corner> crossings_{&memory_};  // by both samples and boundary
 };
 
-// Outside the aperture for sure? The bounds are 1-Lipschitz.
-bool Explorer::outside(const Point& middle, double radius) const {
-  const auto& bounds = map_.mirror().bounds;
-  return std::any_of(bounds.begin(), bounds.end(), [&](const auto& bound) {
+// Outside the aperture or the chart's cell for sure? The bounds are 1-Lipschitz.
+bool Explorer::outside(int chart, const Point& middle, double radius) const {
+  const auto excludes = [&](const auto& bound) {
     return bound.lower_bound_within(bound.value(middle), radius) > 0.0;
-  });
+  };
+  const auto &bounds = map_.mirror().bounds, &cell = result_.charts[chart].cell;
+  return std::any_of(bounds.begin(), bounds.end(), excludes) ||
+         std::any_of(cell.begin(), cell.end(), excludes);
 }
 
 // Climbs from the middle of every cell of the base that the aperture may touch.
@@ -128,12 +142,13 @@ double Explorer::find_opening() const {
   std::vector<Point> starts;
   double largest = 0.0;
   const double step = 1.0 / base_;
-  for (const auto& chart : result_.charts) {
+  for (std::size_t k = 0; k < result_.charts.size(); ++k) {
+    const auto& chart = result_.charts[k];
     for (int i = 0; i < base_; ++i) {
       for (int j = 0; j < base_; ++j) {
         const Point middle = chart.point((i + 0.5) * step, (j + 0.5) * step);
         const double radius = (chart.point(i * step, j * step) - middle).norm();
-        if (!std::isfinite(radius) || outside(middle, kRadiusFactor * radius)) continue;
+        if (!std::isfinite(radius) || outside(static_cast<int>(k), middle, kRadiusFactor * radius)) continue;
         starts.push_back(middle);
         largest = std::max(largest, radius);
       }
@@ -211,7 +226,7 @@ bool Explorer::near_source(const View& view) const {
 Explorer::Verdict Explorer::judge(const Square& c, View& view) {
   const int deepest = seen_ < kDeepCells ? kImageDepth : kLateDepth;
   const Point& middle = view(result_, 4).x;
-  if (outside(middle, view.radius)) return Verdict::discard;
+  if (outside(c.chart, middle, view.radius)) return Verdict::discard;
   for (const auto& bound : map_.mirror().bounds) view.cut |= bound.value(middle) > -view.radius;
   if (view.cut && view.radius * kOpeningShare > opening_ && c.depth < deepest) {
     return Verdict::refine;
@@ -225,7 +240,8 @@ Explorer::Verdict Explorer::judge(const Square& c, View& view) {
   int finite = 0;
   for (int k = 0; k < 5; ++k) finite += view(result_, k).finite;
   if (finite < 5) {
-    if (c.depth < (finite == 0 ? 2 : kPoleDepth)) return Verdict::refine;
+    if (c.depth < (finite == 0 ? kMissDepth : kPoleDepth)) return Verdict::refine;
+    if (map_.paths_may_end() && finite > 0) return judge_at_path_ends(view);
     result_.unresolved += finite > 0;
     return Verdict::discard;
   }
@@ -235,7 +251,7 @@ Explorer::Verdict Explorer::judge(const Square& c, View& view) {
   const Vec2& half = map_.receiver().half;
   Span cosine, facing, u, v, beyond[4];  // u and v of the image inside the window
   double behind = geometry::kInfinity;
-  const int plane = static_cast<int>(map_.mirror().bounds.size()) + 1;
+  const int plane = domain_.silhouette() + 1;
   for (int k = 0; k < 5; ++k) {
     const FieldPoint& f = view(result_, k);
     cosine.include(f.cos_alpha);
@@ -262,6 +278,13 @@ Explorer::Verdict Explorer::judge(const Square& c, View& view) {
   if (behind > view.radius) return Verdict::discard;
   view.cut |= !cosine.positive() || behind > -view.radius;
 
+  for (int i = domain_.first_later(); i < domain_.size(); ++i) {
+    Span h;
+    for (int k = 0; k < 5; ++k) h.include(domain_.value(i, view(result_, k)));
+    if (h.positive()) return Verdict::discard;
+    view.cut |= !h.negative();
+  }
+  if (view.cut && c.depth < deepest && wide_on_later(view)) return Verdict::refine;
   if (c.depth < deepest && std::hypot(u.width(), v.width()) > kImageShare * window_) {
     return Verdict::refine;
   }
@@ -274,22 +297,98 @@ Explorer::Verdict Explorer::judge(const Square& c, View& view) {
   return Verdict::keep;
 }
 
-// Where the edge between two corners crosses a boundary of the domain; once for both of its cells.
+// A cell in which paths begin to miss a surface, or to be reflected where they should pass: E → 0
+// there, so it is clipped and counts unless its image is elsewhere.
+Explorer::Verdict Explorer::judge_at_path_ends(View& view) {
+  const Vec2& half = map_.receiver().half;
+  Span cosine, q[2];
+  for (int k = 0; k < 5; ++k) {
+    const FieldPoint& f = view(result_, k);
+    if (!f.finite) continue;
+    cosine.include(f.cos_alpha);
+    for (int i = 0; i < 2; ++i) q[i].include(f.q[i]);
+  }
+  view.cut = true;
+  if (cosine.hi <= 0.0) return Verdict::discard;
+  for (int i = 0; i < 2; ++i) {
+    const double slack = std::max(q[i].width(), kImageShare * window_);
+    if (q[i].lo - slack > half[i] || q[i].hi + slack < -half[i]) return Verdict::discard;
+  }
+  return Verdict::keep;
+}
+
+// Does the cell cover more of a later surface than what exists of that?
+bool Explorer::wide_on_later(const View& view) const {
+  for (int hop = 1; hop < map_.hop_count(); ++hop) {
+    const Point& middle = view(result_, 4).hits[hop].y;
+    double radius = 0.0;
+    for (int k = 0; k < 4; ++k) {
+      radius = std::max(radius, (view(result_, k).hits[hop].y - middle).norm());
+    }
+    if (radius * kOpeningShare > 0.5 * map_.surface(hop).region.diagonal()) return true;
+  }
+  return false;
+}
+
+// The last place on the way from a to b, where no path arrives, that a path comes from.
+Corner Explorer::path_end(int chart, const Corner& a, const Corner& b) {
+  Vec2 inside(a.s, a.t), outside(b.s, b.t);
+  Corner last = a;
+  for (int i = 0; i < kPathEndHalvings; ++i) {
+    const Vec2 middle = 0.5 * (inside + outside);
+    const FieldPoint f = evaluate_(result_.charts[chart].point(middle.x(), middle.y()));
+    (f.finite ? inside : outside) = middle;
+  }
+  if (inside != Vec2(a.s, a.t)) {
+    last = {inside.x(), inside.y(), add_sample(result_, evaluate_, chart, inside.x(), inside.y())};
+  }
+  return last;
+}
+
+// The part of a polygon that paths come from.
+std::vector<Corner> Explorer::clip_path_ends(int chart, const std::vector<Corner>& polygon) {
+  const auto finite = [&](const Corner& corner) { return result_.samples[corner.sample].finite; };
+  if (std::all_of(polygon.begin(), polygon.end(), finite)) return polygon;
+  std::vector<Corner> kept;
+  for (std::size_t k = 0; k < polygon.size(); ++k) {
+    const Corner a = polygon[k], b = polygon[(k + 1) % polygon.size()];
+    if (finite(a)) kept.push_back(a);
+    if (finite(a) == finite(b)) continue;
+    kept.push_back(finite(a) ? path_end(chart, a, b) : path_end(chart, b, a));
+    kept.back().boundary = finite(a) ? kPathEnds : -1;
+  }
+  return kept;
+}
+
+// A boundary of the domain, or of the chart's cell from kFirstOfCell downwards.
+const geometry::Bound* Explorer::bound(int boundary, int chart) const {
+  return boundary < 0 ? &result_.charts[chart].cell[kFirstOfCell - boundary]
+                      : domain_.bound(boundary);
+}
+
+double Explorer::height(int boundary, int chart, const FieldPoint& f) const {
+  const geometry::Bound* b = bound(boundary, chart);
+  return b ? b->value(f.x) : domain_.value(boundary, f);
+}
+
+// Where the edge between two corners crosses a boundary; once for both of its cells.
 Corner Explorer::crossing(int boundary, int chart, const Corner& a, const Corner& b) {
+  const auto h = [&](const FieldPoint& f) { return height(boundary, chart, f); };
   const auto place = [&](double w) {
     return Vec2(a.s + w * (b.s - a.s), a.t + w * (b.t - a.t));
   };
   const auto [lo, hi] = std::minmax(a.sample, b.sample);
   const auto [known, fresh] = crossings_.try_emplace(std::array{lo, hi, boundary}, Corner{});
   if (!fresh) return known->second;
-  const geometry::Bound* bound = domain_.bound(boundary);
+  const geometry::Bound* of_place = bound(boundary, chart);
   const auto value = [&](double w) {
     const Vec2 at = place(w);
     const Point x = result_.charts[chart].point(at.x(), at.y());
-    return bound ? bound->value(x) : domain_.value(boundary, evaluate_(x));
+    if (of_place) return of_place->value(x);
+    const FieldPoint f = evaluate_(x);
+    return f.finite ? h(f) : 0.0;
   };
-  const double ha = domain_.value(boundary, result_.samples[a.sample]);
-  const double hb = domain_.value(boundary, result_.samples[b.sample]);
+  const double ha = h(result_.samples[a.sample]), hb = h(result_.samples[b.sample]);
   double w = ha == 0.0 ? 0.0 : hb == 0.0 ? 1.0 : 0.5;
   if (ha != 0.0 && hb != 0.0) {
     const double small = kClipShare * (std::abs(ha) + std::abs(hb));
@@ -301,26 +400,37 @@ Corner Explorer::crossing(int boundary, int chart, const Corner& a, const Corner
   return known->second;
 }
 
-// The part of a polygon inside the domain, boundary by boundary; new corners lie on the boundary.
-std::vector<Corner> Explorer::clip(int chart, std::vector<Corner> polygon) {
+// The part of a polygon inside one boundary; new corners lie on it.
+void Explorer::clip_at(int boundary, int chart, std::vector<Corner>& polygon) {
+  const auto h = [&](const Corner& corner) {
+    return height(boundary, chart, result_.samples[corner.sample]);
+  };
+  const auto inside = [&](const Corner& corner) { return h(corner) <= 0.0; };
+  if (std::all_of(polygon.begin(), polygon.end(), inside)) return;
   std::vector<Corner> kept;
+  for (std::size_t k = 0; k < polygon.size(); ++k) {
+    const Corner a = polygon[k], b = polygon[(k + 1) % polygon.size()];
+    const bool a_inside = inside(a), b_inside = inside(b);
+    if (a_inside) kept.push_back(a);
+    if (a_inside == b_inside) continue;
+    const Corner cut = crossing(boundary, chart, a, b);
+    // Where paths end on the way there is no such place.
+    const double across = std::abs(h(a)) + std::abs(h(b));
+    if (!result_.samples[cut.sample].finite || std::abs(h(cut)) > 0.1 * across) continue;
+    kept.push_back(cut);
+    // On the way out the polygon goes on along the boundary, on the way in along the old edge.
+    kept.back().boundary = !a_inside ? a.boundary : boundary < 0 ? -1 : boundary;
+  }
+  polygon.swap(kept);
+}
+
+// The part of a polygon inside the chart's cell and the domain.
+std::vector<Corner> Explorer::clip(int chart, std::vector<Corner> polygon) {
+  polygon = clip_path_ends(chart, polygon);
+  const int cell_bounds = static_cast<int>(result_.charts[chart].cell.size());
+  for (int k = 0; k < cell_bounds; ++k) clip_at(kFirstOfCell - k, chart, polygon);
   for (int boundary = 0; boundary < domain_.size() && !polygon.empty(); ++boundary) {
-    const auto h = [&](int k) { return domain_.value(boundary, result_.samples[k]); };
-    const auto outside = [&](const Corner& corner) { return h(corner.sample) > 0.0; };
-    if (std::none_of(polygon.begin(), polygon.end(), outside)) continue;
-    kept.clear();
-    for (std::size_t k = 0; k < polygon.size(); ++k) {
-      const Corner a = polygon[k], b = polygon[(k + 1) % polygon.size()];
-      const bool a_inside = h(a.sample) <= 0.0, b_inside = h(b.sample) <= 0.0;
-      if (a_inside) kept.push_back(a);
-      if (a_inside == b_inside) continue;
-      const Corner cut = crossing(boundary, chart, a, b);
-      if (!result_.samples[cut.sample].finite) continue;
-      kept.push_back(cut);
-      // On the way out the polygon goes on along the boundary, on the way in along the old edge.
-      kept.back().boundary = a_inside ? boundary : a.boundary;
-    }
-    polygon.swap(kept);
+    clip_at(boundary, chart, polygon);
   }
   return polygon.size() < 3 ? std::vector<Corner>{} : polygon;
 }
@@ -332,8 +442,10 @@ void Explorer::keep(const Square& c, const View& view) {
     polygon.push_back({coordinate(c.i + di[k] * c.size), coordinate(c.j + dj[k] * c.size),
                        view.samples[k]});
   }
+  const auto& cell = result_.charts[c.chart].cell;
   const bool whole = std::all_of(polygon.begin(), polygon.end(), [&](const Corner& corner) {
-    return domain_.contains(result_.samples[corner.sample]);
+    const FieldPoint& f = result_.samples[corner.sample];
+    return domain_.contains(f) && geometry::exists_at(cell, f.x);
   });
   if (!whole) polygon = clip(c.chart, std::move(polygon));
   if (polygon.empty()) return;
@@ -411,6 +523,7 @@ Vec3 edge_tangent(const Exploration& e, const Cell& cell, const Domain& domain, 
                   const Corner& at, const Vec2& step, const Vec3& along) {
   const FieldPoint& f = e.samples[at.sample];
   Vec3 t;
+  if (boundary == kPathEnds) return along.normalized();
   if (boundary >= 0) {
     t = f.n.cross(domain.gradient(boundary, f));
   } else {
@@ -451,7 +564,10 @@ double flux_beyond_chord(const Exploration& e, const Cell& cell, const Domain& d
 }  // namespace
 
 double flux_of(const Exploration& e, const Cell& cell, const Domain& domain, const Light& light) {
-  const double rho = domain.map().mirror().optics.reflectance;
+  const double strength = domain.map().strength();
+  double share = 0.0;
+  for (const Corner& corner : cell.polygon) share += e.samples[corner.sample].share;
+  share /= static_cast<double>(cell.polygon.size());
   const Point& first = e.samples[cell.polygon[0].sample].x;
   double sum = 0.0;
   for (std::size_t k = 0; k < cell.polygon.size(); ++k) {
@@ -463,14 +579,14 @@ double flux_of(const Exploration& e, const Cell& cell, const Domain& domain, con
       // Solid angle of a triangle: Van Oosterom & Strackee, IEEE Trans. BME 30 (1983).
       const Vec3 u = (first - point->position).normalized(), v = (b - point->position).normalized(),
                  w = (c - point->position).normalized();
-      sum += 2.0 * rho * point->intensity *
+      sum += 2.0 * strength *
              std::atan2(u.dot(v.cross(w)), 1.0 + u.dot(v) + v.dot(w) + w.dot(u));
     } else {
       const auto& beam = std::get<CollimatedLight>(light);
-      sum += 0.5 * rho * beam.irradiance * (b - first).cross(c - first).dot(beam.direction);
+      sum += 0.5 * strength * (b - first).cross(c - first).dot(beam.direction);
     }
   }
-  return std::abs(sum);
+  return share * std::abs(sum);
 }
 
 }  // namespace caustic::solver

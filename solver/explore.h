@@ -16,8 +16,10 @@ namespace caustic::solver {
 struct Corner {
   double s, t;
   int sample;
-  int boundary = -1;  ///< of the domain, on which the edge to the next corner lies; −1 inside
+  int boundary = -1;  ///< of the domain, on which the edge to the next corner lies; −1 inside,
+                      ///< kPathEnds where it runs along the end of all paths
 };
+constexpr int kPathEnds = -2;
 
 /// A cell at the end of the subdivision, clipped to the domain.
 struct Cell {

@@ -17,7 +17,7 @@ constexpr double kUniformShare = 1e-10;
 
 FamilyField::FamilyField(const OpticalSystem& system, const PlannedPiece& planned,
                          const geometry::EmbreeScene* candidates, double margin)
-    : piece(planned), map(system, planned.surface, planned.side), domain(map), system_(system) {
+    : piece(planned), map(system, planned.hops), domain(map), system_(system) {
   if (planned.visibility) visibility.emplace(system, candidates, margin);
 }
 
@@ -26,7 +26,7 @@ void FamilyField::explore(Budget& budget) {
   Hidden hidden;
   if (visibility) {
     hidden = [this](const FieldPoint& f) {
-      return visibility->hidden(piece.surface, f.x, map.receiver().point(f.q));
+      return visibility->hidden(piece.hops, LightPath(map, f));
     };
   }
   exploration = solver::explore(evaluate, domain, system_, hidden);

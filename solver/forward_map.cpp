@@ -11,39 +11,56 @@ using geometry::JetOf;
 using geometry::Mat3;
 using Array2 = Eigen::Array2d;
 
-ForwardMap::ForwardMap(const OpticalSystem& system, int surface, int side)
-    : mirror_(&system.surfaces()[surface]),
-      receiver_(&system.receiver()),
-      surface_(surface),
-      side_(side),
-      quadratic_(mirror_->shape->at_most_quadratic()),
-      scale_(system.diameter()) {
+ForwardMap::ForwardMap(const OpticalSystem& system, const Hops& hops)
+    : system_(&system), hops_(hops), scale_(system.diameter()) {
+  single_mirror_ = hops.size() == 1 && mirror().optics.kind == Optics::Kind::mirror &&
+                   mirror().optics.constant_share();
+  quadratic_ = shape().at_most_quadratic();
   if (const auto* point = std::get_if<PointLight>(&system.light())) {
     point_source_ = true;
     source_ = point->position;
-    strength_ = mirror_->optics.reflectance * point->intensity;
+    strength_ = point->intensity;
   } else {
     const auto& beam = std::get<CollimatedLight>(system.light());
     point_source_ = false;
     source_ = beam.direction;
-    strength_ = mirror_->optics.reflectance * beam.irradiance;
+    strength_ = beam.irradiance;
   }
-  to_receiver_ << receiver_->u.transpose(), receiver_->v.transpose(), receiver_->m.transpose();
+  for (int j = 0; j < hop_count(); ++j) {
+    const Optics& optics = surface(j).optics;
+    if (optics.constant_share()) strength_ *= optics.share(hops_[j].side, 1.0).value;
+  }
+  to_receiver_ << receiver().u.transpose(), receiver().v.transpose(), receiver().m.transpose();
 }
 
 Vec3 ForwardMap::incident(const Point& x) const {
   return point_source_ ? Vec3(x - source_) : source_;
 }
 
-Vec3 ForwardMap::reflected(const Point& x) const {
+bool ForwardMap::follow(const Point& x, std::vector<Point>& hits, Vec3& direction) const {
+  hits.assign(1, x);
+  direction = incident(x);
   Vec3 N;
-  shape().value_gradient(x, N);
-  const Vec3 d = incident(x);
-  return d - (2.0 * d.dot(N) / N.squaredNorm()) * N;
+  for (int j = 0; j < hop_count(); ++j) {
+    if (j > 0) {
+      const geometry::Ray ray{hits.back(), direction};
+      const auto tau = next_hit(surface(j), hops_[j].side, ray, nullptr);
+      if (!tau) return false;
+      hits.push_back(ray.at(*tau));
+    }
+    surface(j).shape->value_gradient(hits.back(), N);
+    const auto on = bend(surface(j).optics, hops_[j].side, direction, N);
+    if (!on) return false;
+    direction = *on;
+  }
+  return true;
 }
 
 Vec2 ForwardMap::arrival(const Point& x) const {
-  const Vec3 D = to_receiver_ * reflected(x), y = to_receiver_ * (x - receiver_->origin);
+  thread_local std::vector<Point> hits;
+  Vec3 direction;
+  if (!follow(x, hits, direction)) return Vec2::Constant(std::nan(""));
+  const Vec3 D = to_receiver_ * direction, y = to_receiver_ * (hits.back() - receiver().origin);
   const double lambda = -y.z() / D.z();
   return {y.x() + lambda * D.x(), y.y() + lambda * D.y()};
 }
@@ -78,31 +95,54 @@ constexpr double kLeastScale = 1e-6;
 
 }  // namespace
 
-FieldPoint ForwardMap::evaluate(const Point& x) const {
-  FieldPoint f;
-  f.x = x;
-  const auto g = shape().derivatives(x);
-  const Vec3& G = g.gradient;
-  const double NN0 = G.squaredNorm();
-  const double inverse_norm = 1.0 / std::sqrt(NN0);
-  const Direction g_hat = G * inverse_norm;
-  f.n = side_ * g_hat;
-  const geometry::Frame frame(f.n);
-  f.e1 = frame.e1;
-  f.e2 = frame.e2;
+// What is known at the first hit before the path is followed.
+struct ForwardMap::Start {
+  geometry::SurfaceDerivatives g;
+  Vec3 d;              // incident, unnormalised
+  double NN, inverse_norm;
+};
 
-  // Receiver axes from here on. The surface and its gradient as jets (S1), (S2); for quadrics the
-  // second derivatives of N are multiples of Hĝ/|∇g|, others add the third derivative.
+namespace {
+
+// Arrival on the receiver (S4) and magnification with its gradient (S5), from the last hit and the
+// direction there as jets along m and along (u, v).
+void arrive(const Jet& x_m, Jet D_m, const JetOf<Array2>& x_uv, const JetOf<Array2>& D_uv,
+            FieldPoint& f) {
+  if (D_m.v == 0.0) D_m.v = kParallel;
+  const Jet lambda = -1.0 * (x_m / D_m);
+  const JetOf<Array2> q = x_uv + lambda * D_uv;
+  f.lambda = lambda.v;
+  f.facing = D_m.v;
+  f.q = q.v;
+  f.q_s = q.s;
+  f.q_t = q.t;
+  const auto det = [](const Array2& a, const Array2& b) { return a.x() * b.y() - a.y() * b.x(); };
+  f.a = det(q.s, q.t);
+  const double a_s = det(q.ss, q.t) + det(q.s, q.st);
+  const double a_t = det(q.st, q.t) + det(q.s, q.tt);
+  f.grad_a = a_s * f.e1 + a_t * f.e2;
+}
+
+// First derivatives along the surface as a vector.
+Vec3 along(const FieldPoint& f, double s, double t) { return s * f.e1 + t * f.e2; }
+
+}  // namespace
+
+// One mirror. Receiver axes throughout; for quadrics the second derivatives of N are multiples of
+// Hĝ/|∇g|, others add the third derivative.
+void ForwardMap::reflect_once(const Start& start, FieldPoint& f) const {
   const Mat3& R = to_receiver_;
-  const Vec3 N = R * G, N_s = R * (g.hessian * f.e1), N_t = R * (g.hessian * f.e2);
+  const Vec3& G = start.g.gradient;
+  const double NN0 = start.NN;
+  const Vec3 N = R * G, N_s = R * (start.g.hessian * f.e1), N_t = R * (start.g.hessian * f.e2);
   const Vec3 e1 = R * f.e1, e2 = R * f.e2, bend = N * (-1.0 / NN0);  // x_ij = h_ij · bend
-  const Vec3 Hg = R * (g.hessian * G);
+  const Vec3 Hg = R * (start.g.hessian * G);
   const double h11 = e1.dot(N_s), h12 = e1.dot(N_t), h22 = e2.dot(N_t);
   const double k11 = -h11 / NN0, k12 = -h12 / NN0, k22 = -h22 / NN0;
   Vec3 N_ss = k11 * Hg, N_st = k12 * Hg, N_tt = k22 * Hg;
 
   // d·N and N·N. d moves with x for a point source: d_s = e₁, and e₁·N = 0.
-  const Vec3 d_world = incident(x), d = R * d_world;
+  const Vec3 d = R * start.d;
   const double moves = point_source_ ? 1.0 : 0.0;
   const double d_Hg = d.dot(Hg), N_Hg = N.dot(Hg);
   Jet dN{d.dot(N),
@@ -120,7 +160,7 @@ FieldPoint ForwardMap::evaluate(const Point& x) const {
   if (!quadratic_) {
     const auto add_third = [&](const Vec3& u, const Vec3& v, Vec3& N_uv, double& dN_uv,
                                double& NN_uv) {
-      const Vec3 T_uv = R * shape().third_derivative(x, u, v);
+      const Vec3 T_uv = R * shape().third_derivative(f.x, u, v);
       N_uv += T_uv;
       dN_uv += d.dot(T_uv);
       NN_uv += 2.0 * N.dot(T_uv);
@@ -131,8 +171,7 @@ FieldPoint ForwardMap::evaluate(const Point& x) const {
   }
   const Jet kappa = 2.0 * (dN / NN);
 
-  // Position, reflected direction (S3), arrival (S4); along m, and along u and v together.
-  const Vec3 y = R * (x - receiver_->origin);
+  const Vec3 y = R * (f.x - receiver().origin);
   const auto along_m = [](const Vec3& w) { return w.z(); };
   const auto along_uv = [](const Vec3& w) -> Array2 { return w.head<2>(); };
   const auto position = [&](const auto& part) {
@@ -148,39 +187,119 @@ FieldPoint ForwardMap::evaluate(const Point& x) const {
     return part_of_d -
            kappa * JetOf<T>{part(N), part(N_s), part(N_t), part(N_ss), part(N_st), part(N_tt)};
   };
-  Jet D_m = reflected(along_m);
-  if (D_m.v == 0.0) D_m.v = kParallel;
-  const Jet lambda = -1.0 * (position(along_m) / D_m);
-  const JetOf<Array2> q = position(along_uv) + lambda * reflected(along_uv);
-  f.lambda = lambda.v;
-  f.facing = D_m.v;
-  f.q = q.v;
-  f.q_s = q.s;
-  f.q_t = q.t;
+  arrive(position(along_m), reflected(along_m), position(along_uv), reflected(along_uv), f);
+}
 
-  // Magnification and its gradient (S5).
-  const auto det = [](const Array2& a, const Array2& b) { return a.x() * b.y() - a.y() * b.x(); };
-  f.a = det(q.s, q.t);
-  const double a_s = det(q.ss, q.t) + det(q.s, q.st);
-  const double a_t = det(q.st, q.t) + det(q.s, q.tt);
-  f.grad_a = a_s * f.e1 + a_t * f.e2;
+// Any family, in world axes.
+bool ForwardMap::pass_all_hops(const Start& start, const Hit* near, FieldPoint& f) const {
+  const double inverse_NN = -1.0 / start.NN;
+  const Vec3 bend_of_x = start.g.gradient * inverse_NN;
+  const Vec3 H1 = start.g.hessian * f.e1, H2 = start.g.hessian * f.e2;
+  RayJet ray;
+  ray.x = {f.x,
+           f.e1,
+           f.e2,
+           f.e1.dot(H1) * bend_of_x,
+           f.e1.dot(H2) * bend_of_x,
+           f.e2.dot(H2) * bend_of_x};
+  const Vec3 still = Vec3::Zero();
+  ray.d = point_source_
+              ? VecJet{start.d, ray.x.s, ray.x.t, ray.x.ss, ray.x.st, ray.x.tt}
+              : VecJet{start.d, still, still, still, still, still};
+
+  const int count = hop_count();
+  auto hits = std::make_shared<Hit[]>(count);
+  auto at = start.g;
+  Vec3 grad_share = Vec3::Zero();
+  for (int j = 0; j < count; ++j) {
+    const geometry::Surface& surface_shape = *surface(j).shape;
+    Hit& hit = hits[j];
+    hit.tau = 0.0;
+    if (j > 0) {
+      const geometry::Ray line{ray.x.v, ray.d.v};
+      const auto tau = next_hit(surface(j), hops_[j].side, line, near ? &near[j].tau : nullptr);
+      if (!tau) return false;
+      hit.tau = *tau;
+      at = surface_shape.derivatives(line.at(*tau));
+      transfer(ray, *tau, at);
+    }
+    hit.y = ray.x.v;
+    hit.y_s = ray.x.s;
+    hit.y_t = ray.x.t;
+    Bounce bounce;
+    const Optics& optics = surface(j).optics;
+    if (!bend(optics, hops_[j].side, normal_jet(surface_shape, at, ray.x), ray, bounce)) {
+      return false;
+    }
+    hit.cosine = bounce.cosine.v;
+    hit.grad_cosine = along(f, bounce.cosine.s, bounce.cosine.t);
+    hit.headroom = bounce.headroom.v;
+    hit.grad_headroom = along(f, bounce.headroom.s, bounce.headroom.t);
+    if (!optics.constant_share()) {
+      const Share share = optics.share(hops_[j].side, hit.cosine);
+      grad_share = share.value * grad_share + (f.share * share.slope) * hit.grad_cosine;
+      f.share *= share.value;
+    }
+  }
+  f.hits = std::move(hits);
+  f.grad_flux = f.share * f.grad_flux + f.flux * grad_share;
+  f.flux *= f.share;
+
+  const Mat3& R = to_receiver_;
+  const auto turned = [&](const VecJet& w) {
+    return VecJet{R * w.v, R * w.s, R * w.t, R * w.ss, R * w.st, R * w.tt};
+  };
+  const auto part_m = [](const VecJet& w) {
+    return Jet{w.v.z(), w.s.z(), w.t.z(), w.ss.z(), w.st.z(), w.tt.z()};
+  };
+  const auto part_uv = [](const VecJet& w) {
+    return JetOf<Array2>{w.v.head<2>(),  w.s.head<2>(),  w.t.head<2>(),
+                         w.ss.head<2>(), w.st.head<2>(), w.tt.head<2>()};
+  };
+  ray.x.v -= receiver().origin;
+  const VecJet x = turned(ray.x), d = turned(ray.d);
+  arrive(part_m(x), part_m(d), part_uv(x), part_uv(d), f);
+  return true;
+}
+
+FieldPoint ForwardMap::evaluate(const Point& x, const Hit* near) const {
+  FieldPoint f;
+  f.x = x;
+  Start start;
+  start.g = shape().derivatives(x);
+  start.d = incident(x);
+  const Vec3& G = start.g.gradient;
+  start.NN = G.squaredNorm();
+  start.inverse_norm = 1.0 / std::sqrt(start.NN);
+  f.n = (side() * start.inverse_norm) * G;
+  const geometry::Frame frame(f.n);
+  f.e1 = frame.e1;
+  f.e2 = frame.e2;
 
   // Flux density (S6) and cos α, through logarithmic derivatives of the smooth factors.
-  const double dd = d_world.squaredNorm(), inverse_d = 1.0 / std::sqrt(dd);
-  const double factor = -side_ * inverse_norm * inverse_d;
-  f.cos_alpha = factor * dN.v;
-  const double log_d_s = moves * d.dot(e1) / dd, log_d_t = moves * d.dot(e2) / dd;
-  const double cos_s = factor * (dN.s - dN.v * (0.5 * NN.s / NN0 + log_d_s));
-  const double cos_t = factor * (dN.t - dN.v * (0.5 * NN.t / NN0 + log_d_t));
-  f.grad_cos = cos_s * f.e1 + cos_t * f.e2;
+  const Vec3 HG = start.g.hessian * G, Hd = start.g.hessian * start.d;
+  const double moves = point_source_ ? 1.0 : 0.0;
+  const double dN = start.d.dot(G), dd = start.d.squaredNorm(), inverse_d = 1.0 / std::sqrt(dd);
+  const double factor = -side() * start.inverse_norm * inverse_d;
+  f.cos_alpha = factor * dN;
+  const Vec3 log_d = (moves / dd) * start.d, log_N = HG / start.NN;
+  const Vec3 grad_cos = factor * (Hd - dN * (log_N + log_d));
+  const double cos_s = grad_cos.dot(f.e1), cos_t = grad_cos.dot(f.e2);
+  f.grad_cos = along(f, cos_s, cos_t);
   const double falloff = point_source_ ? strength_ * inverse_d * inverse_d : strength_;
-  const double flux_s = falloff * (cos_s - 2.0 * f.cos_alpha * log_d_s);
-  const double flux_t = falloff * (cos_t - 2.0 * f.cos_alpha * log_d_t);
+  const double fall = 2.0 * f.cos_alpha;
+  const double flux_s = falloff * (cos_s - fall * log_d.dot(f.e1));
+  const double flux_t = falloff * (cos_t - fall * log_d.dot(f.e2));
   f.flux = falloff * f.cos_alpha;
-  f.grad_flux = flux_s * f.e1 + flux_t * f.e2;
+  f.grad_flux = along(f, flux_s, flux_t);
 
+  if (single_mirror_) {
+    reflect_once(start, f);
+  } else if (!pass_all_hops(start, near, f)) {
+    return f;
+  }
   // A sum is finite only if its terms are.
-  f.finite = std::isfinite(f.a + a_s + a_t + f.flux + flux_s + flux_t + f.q.sum());
+  f.finite = std::isfinite(f.a + f.grad_a.sum() + f.flux + f.grad_flux.sum() + f.q.sum());
   return f;
 }
 

@@ -1,8 +1,11 @@
-// The map x ↦ q of one family, from the first hit on its mirror to the receiver, with the closed-form
-// derivatives that give irradiance and its gradient. NOTATION.md (S1)–(S7).
+// The map x ↦ q of one family, from the first hit on its first surface to the receiver, with the
+// closed-form derivatives that give irradiance and its gradient. NOTATION.md (S1)–(S7), (S23)–(S27).
 #pragma once
 
+#include <memory>
+
 #include "geometry/linear.h"
+#include "solver/hop.h"
 #include "solver/optical_system.h"
 
 namespace caustic::solver {
@@ -13,12 +16,24 @@ using geometry::Point;
 using geometry::Vec2;
 using geometry::Vec3;
 
-/// All that tracing asks about one point of the mirror. Gradients lie in the tangent plane at x.
+/// Where a path meets one of its surfaces, as a function of the first hit.
+struct Hit {
+  Point y;
+  double tau;     ///< from the hop before, in lengths of its direction; 0 at the first
+  Vec3 y_s, y_t;  ///< ∂y/∂(s, t)
+  double cosine;  ///< of incidence
+  Vec3 grad_cosine;
+  double headroom;  ///< ξ of (S24): all is reflected where it is negative; 1 for mirrors
+  Vec3 grad_headroom;
+};
+
+/// All that tracing asks about one point of the first surface. Gradients lie in its tangent plane.
 struct FieldPoint {
   Point x;
   Normal n;            ///< towards the lit side
   Direction e1, e2;    ///< e1 × e2 = n
-  bool finite = false; ///< false where g has no normal, the light is at x, or numbers overflow
+  bool finite = false; ///< false where the path ends before the receiver, g has no normal, the
+                       ///< light is at x, or numbers overflow
   double lambda = 0;   ///< arrives if > 0 (S4), in lengths of d
   double facing = 0;   ///< m·D; its sign changes at a pole
 
@@ -26,10 +41,13 @@ struct FieldPoint {
   Vec2 q_s, q_t;       ///< columns of M = ∂q/∂(s, t)
   double a = 0;
   Vec3 grad_a;
+  double share = 1;    ///< what ρ has beyond its constant factors: Fresnel's share
   double flux = 0;     ///< ρσ, W/m², negative on the dark side
   Vec3 grad_flux;
   double cos_alpha = 0;
   Vec3 grad_cos;
+  /// One for each hop; null for a single mirror, whose only hit is x.
+  std::shared_ptr<const Hit[]> hits;
 
   bool arrives() const { return finite && lambda > 0.0; }
   bool lit() const { return cos_alpha > 0.0; }
@@ -50,29 +68,41 @@ struct FieldPoint {
   Vec2 push_forward(const Vec3& dx) const { return q_s * e1.dot(dx) + q_t * e2.dot(dx); }
 };
 
-/// One mirror, lit on one side, seen by the receiver: a one-bounce family.
+/// A family of hops. The system must outlive the map.
 class ForwardMap {
  public:
-  /// `side` = ±1 is s of NOTATION.md. The system must outlive the map.
-  ForwardMap(const OpticalSystem& system, int surface, int side);
+  ForwardMap(const OpticalSystem& system, const Hops& hops);
+  /// One mirror; `side` = ±1 is s of NOTATION.md.
+  ForwardMap(const OpticalSystem& system, int surface, int side)
+      : ForwardMap(system, Hops{{surface, side}}) {}
 
-  const SystemSurface& mirror() const { return *mirror_; }
-  const geometry::Surface& shape() const { return *mirror_->shape; }
-  const geometry::ReceiverFrame& receiver() const { return *receiver_; }
-  int surface_index() const { return surface_; }
-  int side() const { return side_; }
+  const OpticalSystem& system() const { return *system_; }
+  const Hops& hops() const { return hops_; }
+  int hop_count() const { return static_cast<int>(hops_.size()); }
+  const SystemSurface& surface(int hop) const { return system_->surfaces()[hops_[hop].surface]; }
+  /// The first surface: curves live on it.
+  const SystemSurface& mirror() const { return surface(0); }
+  const geometry::Surface& shape() const { return *mirror().shape; }
+  const geometry::ReceiverFrame& receiver() const { return system_->receiver(); }
+  int surface_index() const { return hops_[0].surface; }
+  int side() const { return hops_[0].side; }
 
-  /// The value alone, for comparison: q of (S4).
-  Vec2 arrival(const Point& x) const;
   /// Everything, in closed form. x need not lie on the surface exactly: then the level surface of g
-  /// through x takes its place.
-  FieldPoint evaluate(const Point& x) const;
+  /// through x takes its place. Later hits are those next to the hits `near`, if given.
+  FieldPoint evaluate(const Point& x, const Hit* near = nullptr) const;
+  /// The value alone, for comparison: q of (S4). NaN where the path ends before the receiver.
+  Vec2 arrival(const Point& x) const;
+  /// The hits of the path from x, x first; false where it ends before the receiver's plane.
+  bool follow(const Point& x, std::vector<Point>& hits, Vec3& direction) const;
 
-  /// Unnormalised direction of the light at x (d of NOTATION.md) and after reflection (D).
+  /// True if a path may end before the receiver: missing a surface, or by total reflection.
+  bool paths_may_end() const { return !single_mirror_; }
+  /// ρI, W/sr, or ρE_b, W/m², with the constant factors of ρ.
+  double strength() const { return strength_; }
+  /// Unnormalised direction of the light at x (d of NOTATION.md).
   Vec3 incident(const Point& x) const;
-  Vec3 reflected(const Point& x) const;
 
-  /// Flux density across the light at x, times ρ: ρI/|d|² or ρE_b, W/m².
+  /// Flux density across the light at x, times the constant factors of ρ: ρI/|d|² or ρE_b, W/m².
   double flux_across(const Point& x) const {
     return point_source_ ? strength_ / (x - source_).squaredNorm() : strength_;
   }
@@ -83,13 +113,17 @@ class ForwardMap {
   double rounding(const Point& x) const;
 
  private:
-  const SystemSurface* mirror_;
-  const geometry::ReceiverFrame* receiver_;
-  int surface_, side_;
+  struct Start;
+  void reflect_once(const Start& start, FieldPoint& f) const;
+  bool pass_all_hops(const Start& start, const Hit* near, FieldPoint& f) const;
+
+  const OpticalSystem* system_;
+  Hops hops_;
+  bool single_mirror_;  // no later hop, ρ constant
   bool point_source_;
-  bool quadratic_;  // third derivatives of g vanish
-  Vec3 source_;     // position or direction
-  double strength_; // ρ I or ρ E_b
+  bool quadratic_;      // third derivatives of the first g vanish
+  Vec3 source_;         // position or direction
+  double strength_;     // I or E_b, times the constant factors of ρ
   double scale_;
   geometry::Mat3 to_receiver_;  // rows u, v, m
 };

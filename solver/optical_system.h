@@ -8,14 +8,9 @@
 #include "geometry/receiver_frame.h"
 #include "geometry/surface.h"
 #include "solver/light.h"
+#include "solver/optics.h"
 
 namespace caustic::solver {
-
-struct Optics {
-  enum class Kind { mirror, absorb };
-  Kind kind = Kind::mirror;
-  double reflectance = 1.0;  ///< mirrors, in (0, 1]
-};
 
 struct SystemSurface {
   std::string name;

@@ -1,7 +1,9 @@
 #include "solver/plan.h"
 
+#include <algorithm>
 #include <cmath>
 
+#include "solver/itineraries.h"
 #include "solver/visibility.h"
 
 namespace caustic::solver {
@@ -46,20 +48,42 @@ int lit_side(const OpticalSystem& system, const SystemSurface& surface) {
   return surface.shape->value(box.center() + geometry::Vec3::Constant(box.diagonal())) > 0.0 ? 1 : -1;
 }
 
-bool may_be_hidden(const OpticalSystem& system, int mirror, int side) {
-  const SystemSurface& surface = system.surfaces()[mirror];
-  if (!surface.shape->convex(side)) return true;
+// Of surfaces apart from those of the family: does one reach into the room of one of its segments?
+bool others_in_the_way(const OpticalSystem& system, const Hops& hops) {
   const auto* point = std::get_if<PointLight>(&system.light());
+  std::vector<Box> stations;
+  if (point) stations.push_back({point->position, point->position});
+  for (const Hop& hop : hops) stations.push_back(system.surfaces()[hop.surface].region);
+  stations.push_back(window_of(system.receiver()));
   for (int i = 0; i < static_cast<int>(system.surfaces().size()); ++i) {
-    if (i == mirror) continue;
+    const bool own = std::any_of(hops.begin(), hops.end(), [&](Hop h) { return h.surface == i; });
+    if (own) continue;
     if (!point) return true;
-    const Box& other = system.surfaces()[i].region;
-    const Box to_light = hull(surface.region, Box{point->position, point->position});
-    const Box to_receiver = hull(surface.region, window_of(system.receiver()));
-    if (!other.intersected(to_light).empty() || !other.intersected(to_receiver).empty())
-      return true;
+    for (std::size_t k = 1; k < stations.size(); ++k) {
+      const Box room = hull(stations[k - 1], stations[k]);
+      if (!system.surfaces()[i].region.intersected(room).empty()) return true;
+    }
   }
   return false;
+}
+
+// Light reflected off a convex surface, and light through it, in and out.
+bool leaves_convex_surface(const OpticalSystem& system, const Hops& hops) {
+  const SystemSurface& surface = system.surfaces()[hops[0].surface];
+  if (hops.size() == 1 && surface.optics.kind == Optics::Kind::mirror) {
+    return surface.shape->convex(hops[0].side);
+  }
+  return hops.size() == 2 && hops[0].surface == hops[1].surface && hops[0].side == 1 &&
+         surface.optics.kind == Optics::Kind::refract && surface.shape->convex(1);
+}
+
+bool may_be_hidden(const OpticalSystem& system, const Hops& hops) {
+  return !leaves_convex_surface(system, hops) || others_in_the_way(system, hops);
+}
+
+std::vector<Hops> pieces_of(const OpticalSystem& system, const std::vector<int>& family, int side) {
+  if (family.size() == 1) return {{{family[0], side}}};
+  return sides_of(system, family, side);
 }
 
 }  // namespace
@@ -76,9 +100,11 @@ Plan make_plan(const OpticalSystem& system, const std::vector<std::vector<int>>&
         ++dark_sides;
         continue;
       }
-      const bool needed = may_be_hidden(system, mirror, side);
-      unhidden += !needed;
-      plan.pieces.push_back({family, mirror, side, needed || no_skip.count("visibility") > 0});
+      for (const Hops& hops : pieces_of(system, families[family], side)) {
+        const bool needed = may_be_hidden(system, hops);
+        unhidden += !needed;
+        plan.pieces.push_back({family, hops, needed || no_skip.count("visibility") > 0});
+      }
     }
   }
   if (dark_sides > 0) {
@@ -88,11 +114,13 @@ Plan make_plan(const OpticalSystem& system, const std::vector<std::vector<int>>&
   }
   bool quadrics = !plan.pieces.empty();
   for (const PlannedPiece& piece : plan.pieces) {
-    quadrics &= system.surfaces()[piece.surface].shape->at_most_quadratic();
+    for (const Hop& hop : piece.hops) {
+      quadrics &= system.surfaces()[hop.surface].shape->at_most_quadratic();
+    }
   }
   if (quadrics) {
     plan.skipped.push_back({"third_derivatives",
-                            "all mirrors are planes or quadrics, whose third "
+                            "all surfaces are planes or quadrics, whose third "
                             "derivatives vanish"});
   }
   bool visibility = false;
@@ -102,7 +130,7 @@ Plan make_plan(const OpticalSystem& system, const std::vector<std::vector<int>>&
     plan.skipped.push_back(
         {"visibility",
          alone ? "one convex surface, nothing else to hit"
-               : std::to_string(unhidden) + " convex mirror sides with nothing in the way"});
+               : std::to_string(unhidden) + " families of convex surfaces with nothing in the way"});
   }
   const int count = static_cast<int>(system.surfaces().size());
   plan.embree = visibility && (count >= kEmbreeSurfaces || no_skip.count("embree") > 0);

@@ -7,15 +7,15 @@
 #include <vector>
 
 #include "solver/contours.h"
+#include "solver/hop.h"
 
 namespace caustic::solver {
 
-/// One family on one lit side of its mirror.
+/// One family, with the side from which light comes to each of its surfaces.
 struct PlannedPiece {
   int family;
-  int surface;
-  int side;          ///< s of NOTATION.md
-  bool visibility;   ///< something may be hidden
+  Hops hops;
+  bool visibility;  ///< something may be hidden
 };
 
 struct Plan {
@@ -24,7 +24,7 @@ struct Plan {
   std::vector<Skipped> skipped;
 };
 
-/// `families` are one-bounce families by surface index. Stages named in `no_skip` run in any case:
+/// `families` by surface index. Stages named in `no_skip` run in any case:
 /// "dark_side", "visibility", "embree".
 Plan make_plan(const OpticalSystem& system, const std::vector<std::vector<int>>& families,
                const std::set<std::string>& no_skip);

@@ -44,7 +44,7 @@ class Seeder {
   void spoke(const Cell& cell, const FieldPoint& from, const FieldPoint& to) {
     crossings(phi(from), phi(to), [&](int target) {
       root(target, from, to, cell, [&](double w) {
-        return evaluate_.on_surface(from.x + w * (to.x - from.x));
+        return evaluate_.on_surface(from.x + w * (to.x - from.x), from.hits.get());
       });
     });
   }
@@ -90,9 +90,14 @@ class Seeder {
       // Next to an end that may be a critical point f is flat, and Newton's method wants more.
       const auto [least, largest] = std::minmax({std::abs(fa), std::abs(fb)});
       const double near = kSeedShare * (least < kFlatShare * largest ? least : largest);
-      const auto value = [&](double w) { return f.value(at = path(w)); };
+      const auto value = [&](double w) {
+        at = path(w);
+        return at.finite ? f.value(at) : 0.0;
+      };
       geometry::illinois_root(value, [&](double, double v) { return std::abs(v) <= near; }, 0.0,
                               1.0, fa, fb);
+      // Paths that end, or jump to another part of a later surface, change the sign without a zero.
+      if (!at.finite || std::abs(f.value(at)) > near) return;
     }
     seeds.push_back({target, at, cell.radius});
   }
@@ -132,13 +137,15 @@ std::optional<FieldPoint> newton_critical(Evaluator& evaluate, const FieldPoint&
   const double h = 1e-5 * reach;
   for (int i = 0; i < 12; ++i) {
     const Vec3 g = f.inverse_irradiance_gradient();
-    const Vec3 g1 = evaluate.on_surface(f.x + h * f.e1).inverse_irradiance_gradient();
-    const Vec3 g2 = evaluate.on_surface(f.x + h * f.e2).inverse_irradiance_gradient();
+    const auto gradient_at = [&](const Vec3& dx) {
+      return evaluate.on_surface(f.x + dx, f.hits.get()).inverse_irradiance_gradient();
+    };
+    const Vec3 g1 = gradient_at(h * f.e1), g2 = gradient_at(h * f.e2);
     geometry::Mat2 K;
     K << (g1 - g).dot(f.e1), (g2 - g).dot(f.e1), (g1 - g).dot(f.e2), (g2 - g).dot(f.e2);
     const Vec2 step = -h * (K.inverse() * Vec2(g.dot(f.e1), g.dot(f.e2)));
     if (!step.allFinite() || step.norm() > 2.0 * reach) return std::nullopt;
-    f = evaluate.on_surface(f.x + step.x() * f.e1 + step.y() * f.e2);
+    f = evaluate.on_surface(f.x + step.x() * f.e1 + step.y() * f.e2, f.hits.get());
     if (!f.finite || !f.lit() || (f.x - start.x).norm() > 2.0 * reach) return std::nullopt;
     if (step.norm() <= 1e-9 * reach) return f;
   }
@@ -189,6 +196,7 @@ std::vector<Seed> find_seeds(Evaluator& evaluate, Exploration& e,
     if (evaluate.budget().exhausted()) break;
     const Cell& cell = e.cells[i];
     for (std::size_t k = 0; k < cell.polygon.size(); ++k) {
+      if (cell.polygon[k].boundary == kPathEnds) continue;  // E = 0 along it
       seeder.edge(cell, cell.polygon[k], cell.polygon[(k + 1) % cell.polygon.size()]);
     }
   }

@@ -86,15 +86,15 @@ class Tracer final : public DirectionField {
   Stop follow(const FieldPoint& seed, double sign, Trace& out);
 
   bool direction(const Point& x, Vec3& t) override {
-    const FieldPoint f = evaluate_(x);
+    const FieldPoint f = evaluate_(x, near_);
     t = sign_ * level_.tangent(f);
     return f.finite && t.squaredNorm() > 0.5;
   }
   // The corrector works where the predictor asks for its last stage, which costs no evaluation
   // then.
   bool direction_at_end(const Point& x, Vec3& t) override {
-    arrived_ =
-        correct(evaluate_, level_, x, {options_.residual, kPositionShare * ds_, kTrustShare * ds_});
+    arrived_ = correct(evaluate_, level_, x,
+                       {options_.residual, kPositionShare * ds_, kTrustShare * ds_}, near_);
     if (arrived_) t = sign_ * level_.tangent(*arrived_);
     return arrived_.has_value();
   }
@@ -105,6 +105,7 @@ class Tracer final : public DirectionField {
     out.conditioning = std::max(out.conditioning, level_.residual_of_rounding(f, rounding));
     out.vertices.push_back(make_vertex(evaluate_.map(), level_, f));
     out.tangents.push_back(level_.tangent(f));
+    if (f.hits) out.hits.push_back(f.hits);
   }
 
  private:
@@ -131,6 +132,7 @@ class Tracer final : public DirectionField {
   const TraceOptions& options_;
   Predictor predictor_;
   double sign_ = 1.0;
+  const Hit* near_ = nullptr;  // hits where the step begins
   double ds_ = 0.0;        // next step
   double step_ = 0.0;      // length of the step that the predictor holds
   std::optional<FieldPoint> arrived_;  // the corrected end of that step
@@ -149,6 +151,7 @@ double Tracer::allowance(const Node& from, const Node& to) const {
 // One corrected step from `from`, as long as error, turn and motion on the receiver allow.
 std::optional<Node> Tracer::advance(const Node& from) {
   const double rounding = evaluate_.map().rounding(from.f.x);
+  near_ = from.f.hits.get();
   while (ds_ > kMinStepRoundings * rounding) {
     const auto step = predictor_.attempt(from.f.x, from.t, ds_);
     double factor = 0.25;
@@ -172,7 +175,8 @@ std::optional<Node> Tracer::advance(const Node& from) {
 // The curve's point at arc s of the current step, between two of its nodes.
 std::optional<Node> Tracer::between(const Node& a, const Node& b, double s) {
   const auto f = correct(evaluate_, level_, predictor_.at(s / step_),
-                         {options_.residual, kPositionShare * step_, (b.f.x - a.f.x).norm()});
+                         {options_.residual, kPositionShare * step_, (b.f.x - a.f.x).norm()},
+                         a.f.hits.get());
   if (!f) return std::nullopt;
   return node(*f, s);
 }
@@ -316,7 +320,8 @@ FieldPoint Tracer::end_between(int i, const Node& a, const Node& b) {
       h, [&](double, double value) { return std::abs(value) <= near; }, a.s, b.s, ha,
       domain_.value(i, b.f));
   const auto end = correct_at_end(evaluate_, level_, domain_, i, predictor_.at(s / step_),
-                                  {options_.residual, geometry::kInfinity, length});
+                                  {options_.residual, geometry::kInfinity, length},
+                                  inside.f.hits.get());
   if (end) return *end;
   // As near as the corrector gets to the place where all levels meet.
   double outside = b.s;
@@ -415,6 +420,7 @@ Trace trace_contour(Evaluator& evaluate, const Domain& domain, const LevelFuncti
   const auto turn_round = [&] {
     std::reverse(trace.vertices.begin(), trace.vertices.end());
     std::reverse(trace.tangents.begin(), trace.tangents.end());
+    std::reverse(trace.hits.begin(), trace.hits.end());
   };
   Tracer tracer(evaluate, domain, level, options);
   tracer.append(seed, trace);

@@ -19,6 +19,7 @@ struct TraceOptions {
 struct Trace {
   std::vector<CurveVertex> vertices;  ///< arc_length not yet filled in
   std::vector<Vec3> tangents;         ///< unit tangents on the mirror, along the order of vertices
+  std::vector<std::shared_ptr<const Hit[]>> hits;  ///< of the vertices; empty for a single mirror
   bool closed = false;
   std::vector<Ending> ends;   ///< at the first and the last vertex; none if closed
   bool clipped = false;       ///< an end lies on the clip ball

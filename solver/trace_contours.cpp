@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "solver/contour_task.h"
+#include "solver/itineraries.h"
 
 namespace caustic::solver {
 
@@ -77,7 +78,9 @@ class Run {
  private:
   void list_families();
   void explore();
-  void judge(const FamilyField& field, const std::string& name);
+  void judge(const FamilyField& field);
+  void drop_faint_families();
+  std::string name_of(int family) const;
   std::vector<double> levels();
   std::vector<LevelFunction> targets_for(const FamilyField& field, std::vector<double>& irradiances);
   std::vector<ContourTask> make_tasks();
@@ -104,9 +107,11 @@ class Run {
 
 void Run::list_families() {
   std::vector<std::vector<int>> families = request_.families;
-  if (families.empty()) {
+  if (families.empty() && request_.max_bounces > 1) {
+    families = families_that_occur(system_, request_.max_bounces);
+  } else if (families.empty()) {
     for (int i = 0; i < static_cast<int>(system_.surfaces().size()); ++i) {
-      if (system_.surfaces()[i].optics.kind == Optics::Kind::mirror) families.push_back({i});
+      if (system_.surfaces()[i].optics.passes_light_on()) families.push_back({i});
     }
   }
   for (int id = 0; id < static_cast<int>(families.size()); ++id) {
@@ -134,26 +139,49 @@ void Run::explore() {
     kept += field.exploration.cells.size();
     result_.families[piece.family].flux += field.flux;
     result_.undecided_cells += field.exploration.unresolved;
-    judge(field, system_.surfaces()[piece.surface].name);
+    judge(field);
   }
+  drop_faint_families();
   if (discarded > 0) {
     skip("unseen_cells", std::to_string(discarded) + " of " + std::to_string(discarded + kept) +
                              " cells of the mirrors send nothing to the receiver");
   }
   for (const FamilyReport& family : result_.families) {
     if (family.flux > 0.0 || budget_.exhausted()) continue;
-    const auto& name = system_.surfaces()[family.surfaces.front()].name;
-    warn("unlit_family", "no light reaches the receiver by way of \"" + name + "\"");
+    warn("unlit_family", "no light reaches the receiver by way of " + name_of(family.id));
   }
 }
 
-void Run::judge(const FamilyField& field, const std::string& name) {
+// Families that were not asked for by name and bring next to nothing.
+void Run::drop_faint_families() {
+  if (!request_.families.empty()) return;
+  double total = 0.0;
+  for (const FamilyReport& family : result_.families) total += family.flux;
+  for (const FamilyReport& family : result_.families) {
+    if (!(family.flux > 0.0 && family.flux < request_.min_flux_share * total)) continue;
+    std::erase_if(fields_, [&](const auto& field) { return field->piece.family == family.id; });
+    skip("family", "by way of " + name_of(family.id) + " comes " + number(family.flux / total) +
+                       " of the flux, less than min_flux_share");
+  }
+}
+
+std::string Run::name_of(int family) const {
+  std::string names;
+  for (const int surface : result_.families[family].surfaces) {
+    if (!names.empty()) names += ", ";
+    names += '"' + system_.surfaces()[surface].name + '"';
+  }
+  return names;
+}
+
+void Run::judge(const FamilyField& field) {
+  const std::string name = name_of(field.piece.family);
   if (field.degenerate) {
-    warn("degenerate_family", "all light of \"" + name + "\" that reaches the receiver passes "
+    warn("degenerate_family", "all light by way of " + name + " that reaches the receiver passes "
                               "through one point or line of it: its irradiance is unbounded there "
                               "and zero elsewhere, so it has no curves");
   } else if (field.uniform && !field.empty()) {
-    warn("uniform_irradiance", "the irradiance by \"" + name + "\" is constant, " +
+    warn("uniform_irradiance", "the irradiance by way of " + name + " is constant, " +
                                    number(1.0 / std::abs(field.phi_max)) +
                                    " W/m²: it has no level curves");
   }
@@ -274,6 +302,7 @@ const char* to_string(Ending ending) {
     case Ending::aperture: return "aperture";
     case Ending::shadow: return "shadow";
     case Ending::occlusion: return "occlusion";
+    case Ending::total_internal_reflection: return "total_internal_reflection";
     case Ending::receiver_edge: return "receiver_edge";
     case Ending::limit: return "limit";
   }

@@ -40,8 +40,22 @@ Visibility::Visibility(const OpticalSystem& system, const geometry::EmbreeScene*
                        double margin)
     : system_(system), candidates_(candidates), margin_(margin) {}
 
-Visibility::Sight Visibility::look(int surface, const Point& x, const Point& p) const {
-  Segment to_light{{x, Vec3::Zero()}, 1.0 - kLightEndShare, false, surface};
+LightPath::LightPath(const ForwardMap& map, const Point& x, const Hit* hits, const Point& p)
+    : count(map.hop_count() + 1) {
+  at[0] = x;
+  for (int j = 1; j < count - 1; ++j) at[j] = hits[j].y;
+  at[count - 1] = p;
+}
+
+double LightPath::motion(const LightPath& other) const {
+  double furthest = 0.0;
+  for (int j = 0; j < count; ++j) furthest = std::max(furthest, (at[j] - other.at[j]).norm());
+  return furthest;
+}
+
+Visibility::Sight Visibility::look(const Hops& hops, const LightPath& path) const {
+  const Point& x = path.x();
+  Segment to_light{{x, Vec3::Zero()}, 1.0 - kLightEndShare, false, hops[0].surface};
   if (const auto* point = std::get_if<PointLight>(&system_.light())) {
     to_light.ray.direction = point->position - x;
   } else {
@@ -52,12 +66,21 @@ Visibility::Sight Visibility::look(int surface, const Point& x, const Point& p) 
     }
     to_light.ray.direction = -reach * std::get<CollimatedLight>(system_.light()).direction;
   }
-  const Segment to_receiver{{x, p - x}, 1.0 - kReceiverEndShare, true, surface};
   const double lit = clearance(to_light);
-  const double seen = clearance(to_receiver);
   if (lit < 0.0) return {lit, Ending::shadow};
-  return {seen < 0.0 ? seen : std::min(lit, seen),
-          seen < 0.0 || seen < lit ? Ending::occlusion : Ending::shadow};
+  Sight sight{lit, Ending::shadow};
+  for (std::size_t j = 0; j < hops.size(); ++j) {
+    const bool last = j + 1 == hops.size();
+    const Segment on{{path.at[j], path.at[j + 1] - path.at[j]},
+                     1.0 - kReceiverEndShare,
+                     true,
+                     hops[j].surface,
+                     last ? -1 : hops[j + 1].surface};
+    const double seen = clearance(on);
+    if (seen < sight.clearance) sight = {seen, Ending::occlusion};
+    if (seen < 0.0) break;
+  }
+  return sight;
 }
 
 double Visibility::clearance(const Segment& segment) const {
@@ -84,7 +107,7 @@ double Visibility::clearance(const Segment& segment) const {
 double Visibility::clearance(const Segment& segment, int index) const {
   const auto& [name, shape, bounds, optics, region] = system_.surfaces()[index];
   const Ray& ray = segment.ray;
-  const bool own = index == segment.own;
+  const bool own = index == segment.own, target = index == segment.target;
   if (!own && !region.may_meet(ray, margin_)) return margin_;
   // Inside a convex surface the way from it to the light is free.
   if (own && !segment.end_moves && shape->convex(shape->value(ray.at(1.0)) < 0.0 ? 1 : -1)) {
@@ -97,13 +120,16 @@ double Visibility::clearance(const Segment& segment, int index) const {
   const double near = kOwnShare + kOwnRoundings * geometry::kEpsilon *
                                       (ray.origin.cwiseAbs().maxCoeff() + system_.diameter()) /
                                       length;
-  shape->crossings(ray, own ? -near : 0.0, 1.0, roots);
-  if (own && !roots.empty()) {
-    // The one crossing where the segment begins is not in its way.
-    const auto first = std::min_element(
-        roots.begin(), roots.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
-    if (std::abs(*first) <= near) roots.erase(first);
-  }
+  shape->crossings(ray, own ? -near : 0.0, target ? 1.0 + near : 1.0, roots);
+  // The one crossing where the segment begins, or ends, is not in its way.
+  const auto erase_at = [&](double t) {
+    const auto nearest = std::min_element(roots.begin(), roots.end(), [t](double a, double b) {
+      return std::abs(a - t) < std::abs(b - t);
+    });
+    if (nearest != roots.end() && std::abs(*nearest - t) <= near) roots.erase(nearest);
+  };
+  if (own) erase_at(0.0);
+  if (target) erase_at(1.0);
   shape->stationary(ray, 0.0, 1.0, still);
 
   // A place on the segment: how far the surface is, and how far the aperture's edge.
@@ -132,7 +158,7 @@ double Visibility::clearance(const Segment& segment, int index) const {
   };
 
   const Place end = place(1.0);
-  double ends = end.distance;
+  double ends = target ? geometry::kInfinity : end.distance;
   if (!segment.end_moves) {
     // A light does not cross the surface, but near it the segment may come to touch: not before it
     // has turned about the light into the surface's tangent plane there.
@@ -140,7 +166,7 @@ double Visibility::clearance(const Segment& segment, int index) const {
     const double sine = std::abs(end.d.gradient.dot(along)) / end.d.gradient.norm();
     light.distance = std::max(end.distance, length * sine);
     meet(light, slope_rise(light));
-  } else {
+  } else if (!target) {
     meet(end, slope_rise(end));
   }
   if (!own) {

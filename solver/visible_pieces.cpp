@@ -18,26 +18,23 @@ constexpr int kMaxScanDepth = 6;
 constexpr int kMinScanDepth = 2;
 
 struct Sighted {
-  Point x, p;
+  LightPath path;
   Visibility::Sight sight;
+  std::shared_ptr<const Hit[]> hits;
   bool hidden() const { return sight.clearance < 0.0; }
   double room() const { return std::abs(sight.clearance); }
 };
 
-// How far the segments to the light and to the receiver move at most between two points.
-double motion(const Point& x0, const Point& p0, const Point& x1, const Point& p1) {
-  return std::max((x1 - x0).norm(), (p1 - p0).norm());
-}
-
 // Is all between them as they are?
 bool settled(const Sighted& a, const Sighted& b) {
   return a.hidden() == b.hidden() &&
-         a.room() + b.room() > kClearanceFactor * motion(a.x, a.p, b.x, b.p);
+         a.room() + b.room() > kClearanceFactor * a.path.motion(b.path);
 }
 
 // A change of visibility between two vertices: the last point of the visible side.
 struct Change {
   Point x;
+  std::shared_ptr<const Hit[]> hits;
   Ending ending;
   bool to_hidden;
 };
@@ -48,15 +45,23 @@ class Cutter {
          double residual)
       : visibility_(visibility), evaluate_(evaluate), level_(level), residual_(residual) {}
 
-  Sighted look(const Point& x, const Point& p) const {
-    return {x, p, visibility_.look(evaluate_.map().surface_index(), x, p)};
+  Sighted look(const LightPath& path, std::shared_ptr<const Hit[]> hits) const {
+    return {path, visibility_.look(evaluate_.map().hops(), path), std::move(hits)};
+  }
+  Sighted look(const Trace& trace, std::size_t i) const {
+    const std::shared_ptr<const Hit[]> hits = trace.hits.empty() ? nullptr : trace.hits[i];
+    return look(path(trace, i), hits);
   }
   // What is known at `a` holds at the next vertex too, if that is near enough.
-  std::optional<Sighted> carry(const Sighted& a, const Point& x, const Point& p) const {
-    const double left = a.room() - kClearanceFactor * motion(a.x, a.p, x, p);
+  std::optional<Sighted> carry(const Sighted& a, const Trace& trace, std::size_t i) const {
+    const LightPath on = path(trace, i);
+    const double left = a.room() - kClearanceFactor * a.path.motion(on);
     if (left <= 0.0) return std::nullopt;
-    return Sighted{x, p, {std::copysign(left, a.sight.clearance), a.sight.ending}};
+    return Sighted{on,
+                   {std::copysign(left, a.sight.clearance), a.sight.ending},
+                   trace.hits.empty() ? nullptr : trace.hits[i]};
   }
+  Sighted look_again(const Sighted& a) const { return look(a.path, a.hits); }
 
   void scan(const Sighted& a, const Sighted& b, int depth, std::vector<Change>& out) {
     if (settled(a, b)) return;
@@ -75,25 +80,30 @@ class Cutter {
   }
 
  private:
+  LightPath path(const Trace& trace, std::size_t i) const {
+    const CurveVertex& v = trace.vertices[i];
+    return {evaluate_.map(), v.x, trace.hits.empty() ? nullptr : trace.hits[i].get(), v.p};
+  }
   std::optional<Sighted> between(const Sighted& a, const Sighted& b) {
-    const auto f = correct(evaluate_, level_, 0.5 * (a.x + b.x),
-                           {residual_, geometry::kInfinity, (b.x - a.x).norm()});
+    const Point &xa = a.path.x(), &xb = b.path.x();
+    const auto f = correct(evaluate_, level_, 0.5 * (xa + xb),
+                           {residual_, geometry::kInfinity, (xb - xa).norm()}, a.hits.get());
     if (!f) return std::nullopt;
-    return look(f->x, evaluate_.map().receiver().point(f->q));
+    return look(LightPath(evaluate_.map(), *f), f->hits);
   }
 
   // Bisection on the exact answer, down to rounding of x.
   Change locate(Sighted a, Sighted b) {
     const bool to_hidden = b.hidden();
-    const double rounding = evaluate_.map().rounding(a.x);
-    for (int i = 0; i < 100 && (b.x - a.x).norm() > 2.0 * rounding; ++i) {
+    const double rounding = evaluate_.map().rounding(a.path.x());
+    for (int i = 0; i < 100 && (b.path.x() - a.path.x()).norm() > 2.0 * rounding; ++i) {
       const auto middle = between(a, b);
       if (!middle) break;
       (middle->hidden() == a.hidden() ? a : b) = *middle;
     }
     const Sighted& visible = to_hidden ? a : b;
     const Sighted& hidden = to_hidden ? b : a;
-    return {visible.x, hidden.sight.ending, to_hidden};
+    return {visible.path.x(), visible.hits, hidden.sight.ending, to_hidden};
   }
 
   const Visibility& visibility_;
@@ -120,7 +130,7 @@ std::vector<Trace> visible_pieces(Trace trace, const Visibility& visibility, Eva
   };
   std::size_t changes_seen = 0;
   const std::size_t n = trace.vertices.size(), segments = trace.closed ? n : n - 1;
-  const Sighted first = cutter.look(trace.vertices[0].x, trace.vertices[0].p);
+  const Sighted first = cutter.look(trace, 0);
   bool open = !first.hidden();
   if (open) {
     open_piece(trace.closed ? Ending::limit : trace.ends[0]);
@@ -138,18 +148,18 @@ std::vector<Trace> visible_pieces(Trace trace, const Visibility& visibility, Eva
     const std::size_t next = (i + 1) % n;
     const CurveVertex& vertex = trace.vertices[next];
     changes.clear();
-    auto b = cutter.carry(a, vertex.x, vertex.p);
+    auto b = cutter.carry(a, trace, next);
     const bool carried = b.has_value();
     if (!carried) {
-      b = next == 0 ? first : cutter.look(vertex.x, vertex.p);
-      if (!asked && !settled(a, *b)) a = cutter.look(a.x, a.p);
+      b = next == 0 ? first : cutter.look(trace, next);
+      if (!asked && !settled(a, *b)) a = cutter.look_again(a);
       cutter.scan(a, *b, 0, changes);
     }
     for (const Change& change : changes) {
       ++changes_seen;
       if (change.to_hidden == !open) continue;
       if (!change.to_hidden) open_piece(change.ending);
-      pieces.back().vertices.push_back(make_vertex(evaluate.map(), level, evaluate(change.x)));
+      pieces.back().vertices.push_back(make_vertex(evaluate.map(), level, evaluate(change.x, change.hits.get())));
       if (change.to_hidden) pieces.back().ends.push_back(change.ending);
       open = !change.to_hidden;
     }

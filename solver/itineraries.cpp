@@ -1,0 +1,229 @@
+#include "solver/itineraries.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <set>
+
+#include "geometry/embree_scene.h"
+#include "solver/visibility.h"
+
+namespace caustic::solver {
+
+namespace {
+
+// Rays from each surface.
+constexpr int kRays = 4096;
+constexpr int kLeastSide = 6;  // of a chart, in rays
+// What is further outside of an aperture than this share of the scene does not exist.
+constexpr double kExistsShare = 1e-12;
+
+double outside_by(const SystemSurface& surface, const Point& x) {
+  double worst = -geometry::kInfinity;
+  for (const auto& bound : surface.bounds) worst = std::max(worst, bound.value(x));
+  return worst;
+}
+
+/// Calls back with points spread over the surface, whether they exist or not.
+template <class Action>
+void for_each_point(const OpticalSystem& system, const SystemSurface& surface, const Action& act) {
+  const auto charts =
+      surface.shape->charts({surface.region, system.center(), system.diameter()});
+  const double each = std::sqrt(kRays / static_cast<double>(std::max<std::size_t>(charts.size(), 1)));
+  const int n = std::max(kLeastSide, static_cast<int>(each));
+  for (const auto& chart : charts) {
+    for (int i = 0; i < n; ++i) {
+      for (int j = 0; j < n; ++j) {
+        const Point x = chart.point((i + 0.5) / n, (j + 0.5) / n);
+        if (x.allFinite() && geometry::exists_at(chart.cell, x)) act(x);
+      }
+    }
+  }
+}
+
+Vec3 incident(const Light& light, const Point& x) {
+  if (const auto* point = std::get_if<PointLight>(&light)) return x - point->position;
+  return std::get<CollimatedLight>(light).direction;
+}
+
+// Follows one ray along a family, both ways where it is open which part of a surface it meets.
+class SideFinder {
+ public:
+  SideFinder(const OpticalSystem& system, const std::vector<int>& surfaces, std::set<std::vector<int>>& out)
+      : system_(system), surfaces_(surfaces), slack_(kExistsShare * system.diameter()), out_(out) {}
+
+  void go(const Point& x, const Vec3& direction, std::size_t hop, int side) {
+    const SystemSurface& surface = system_.surfaces()[surfaces_[hop]];
+    Vec3 N;
+    surface.shape->value_gradient(x, N);
+    const auto on = bend(surface.optics, side, direction, N);
+    if (!on) return;
+    sides_.push_back(side);
+    if (hop + 1 == surfaces_.size()) {
+      out_.insert(sides_);
+    } else {
+      meet({x, *on}, hop + 1);
+    }
+    sides_.pop_back();
+  }
+
+ private:
+  void meet(const geometry::Ray& ray, std::size_t hop) {
+    const SystemSurface& surface = system_.surfaces()[surfaces_[hop]];
+    std::optional<double> tau[2];
+    bool exists[2] = {};
+    for (int k = 0; k < 2; ++k) {
+      tau[k] = next_hit(surface, 1 - 2 * k, ray, nullptr);
+      exists[k] = tau[k] && outside_by(surface, ray.at(*tau[k])) <= slack_;
+    }
+    const bool open = !exists[0] && !exists[1];
+    for (int k = 0; k < 2; ++k) {
+      if (!tau[k] || (!open && !exists[k])) continue;
+      // Behind what exists nothing of the same surface is reached.
+      if (exists[1 - k] && *tau[1 - k] < *tau[k]) continue;
+      go(ray.at(*tau[k]), ray.direction, hop, 1 - 2 * k);
+    }
+  }
+
+  const OpticalSystem& system_;
+  const std::vector<int>& surfaces_;
+  double slack_;
+  std::vector<int> sides_;
+  std::set<std::vector<int>>& out_;
+};
+
+// Follows rays wherever they go.
+class Wanderer {
+ public:
+  Wanderer(const OpticalSystem& system, int max_bounces)
+      : system_(system), max_bounces_(max_bounces), slack_(kExistsShare * system.diameter()) {
+    if (system.surfaces().size() >= static_cast<std::size_t>(kEmbreeSurfaces)) {
+      std::vector<geometry::Box> boxes;
+      for (const auto& surface : system.surfaces()) boxes.push_back(surface.region);
+      embree_ = std::make_unique<geometry::EmbreeScene>(boxes, 0.0);
+    }
+  }
+
+  void start(int surface, const Point& x) {
+    const SystemSurface& s = system_.surfaces()[surface];
+    Vec3 N;
+    const Vec3 d = incident(system_.light(), x);
+    s.shape->value_gradient(x, N);
+    const int side = N.dot(d) < 0.0 ? 1 : -1;
+    // Anything on the way from the light?
+    const bool point = std::holds_alternative<PointLight>(system_.light());
+    const geometry::Ray back{x, point ? Vec3(-d) : Vec3(-reach(x) * d)};
+    const auto blocker = first_hit(back);
+    if (blocker && blocker->tau < 1.0 - 1e-9) return;
+    surfaces_.clear();
+    go(surface, x, d, side);
+  }
+
+  std::set<std::vector<int>> found;
+
+ private:
+  struct Meeting {
+    double tau;
+    int surface, side;
+  };
+
+  double reach(const Point& x) const {
+    double far = 0.0;
+    for (const auto& s : system_.surfaces()) {
+      far = std::max(far, (s.region.center() - x).norm() + s.region.diagonal());
+    }
+    return far;
+  }
+
+  // The first surface that exists on the ray.
+  std::optional<Meeting> first_hit(const geometry::Ray& ray) {
+    std::optional<Meeting> first;
+    const auto ask = [&](int i) {
+      const SystemSurface& surface = system_.surfaces()[i];
+      for (const int side : {1, -1}) {
+        const auto tau = next_hit(surface, side, ray, nullptr);
+        if (!tau || (first && *tau >= first->tau)) continue;
+        if (outside_by(surface, ray.at(*tau)) <= slack_) first = {*tau, i, side};
+      }
+    };
+    if (embree_) {
+      candidates_.clear();
+      embree_->candidates(ray, reach(ray.origin) / ray.direction.norm(), candidates_);
+      for (const int i : candidates_) ask(i);
+    } else {
+      for (int i = 0; i < static_cast<int>(system_.surfaces().size()); ++i) ask(i);
+    }
+    return first;
+  }
+
+  void go(int surface, const Point& x, const Vec3& d, int side) {
+    const SystemSurface& s = system_.surfaces()[surface];
+    if (!s.optics.passes_light_on()) return;
+    Vec3 N;
+    s.shape->value_gradient(x, N);
+    const auto on = bend(s.optics, side, d, N);
+    if (!on) return;
+    surfaces_.push_back(surface);
+    const geometry::Ray ray{x, *on};
+    const auto next = first_hit(ray);
+    if (arrives(ray, next)) found.insert(surfaces_);
+    if (next && static_cast<int>(surfaces_.size()) < max_bounces_) {
+      go(next->surface, ray.at(next->tau), ray.direction, next->side);
+    }
+  }
+
+  bool arrives(const geometry::Ray& ray, const std::optional<Meeting>& next) const {
+    const auto& receiver = system_.receiver();
+    const double lambda =
+        receiver.m.dot(receiver.origin - ray.origin) / receiver.m.dot(ray.direction);
+    if (!(lambda > 0.0) || (next && next->tau < lambda)) return false;
+    const Vec3 p = ray.at(lambda) - receiver.origin;
+    return std::abs(p.dot(receiver.u)) <= receiver.half.x() &&
+           std::abs(p.dot(receiver.v)) <= receiver.half.y();
+  }
+
+  const OpticalSystem& system_;
+  int max_bounces_;
+  double slack_;
+  std::unique_ptr<geometry::EmbreeScene> embree_;
+  std::vector<int> candidates_, surfaces_;
+};
+
+}  // namespace
+
+std::vector<Hops> sides_of(const OpticalSystem& system, const std::vector<int>& surfaces, int side) {
+  const SystemSurface& first = system.surfaces()[surfaces[0]];
+  std::set<std::vector<int>> found;
+  SideFinder finder(system, surfaces, found);
+  for_each_point(system, first, [&](const Point& x) {
+    const Vec3 d = incident(system.light(), x);
+    Vec3 N;
+    first.shape->value_gradient(x, N);
+    if (side * N.dot(d) < 0.0) finder.go(x, d, 0, side);
+  });
+  std::vector<Hops> out;
+  for (const std::vector<int>& sides : found) {
+    Hops hops;
+    for (std::size_t j = 0; j < sides.size(); ++j) hops.push_back({surfaces[j], sides[j]});
+    out.push_back(hops);
+  }
+  return out;
+}
+
+std::vector<std::vector<int>> families_that_occur(const OpticalSystem& system, int max_bounces) {
+  Wanderer wanderer(system, max_bounces);
+  const double slack = kExistsShare * system.diameter();
+  for (int i = 0; i < static_cast<int>(system.surfaces().size()); ++i) {
+    const SystemSurface& surface = system.surfaces()[i];
+    if (!surface.optics.passes_light_on()) continue;
+    for_each_point(system, surface, [&](const Point& x) {
+      if (outside_by(surface, x) <= slack) wanderer.start(i, x);
+    });
+  }
+  std::vector<std::vector<int>> out(wanderer.found.begin(), wanderer.found.end());
+  std::stable_sort(out.begin(), out.end(),
+                   [](const auto& a, const auto& b) { return a.size() < b.size(); });
+  return out;
+}
+
+}  // namespace caustic::solver
