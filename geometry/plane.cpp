@@ -23,6 +23,7 @@ class Plane final : public Surface {
   SurfaceEnclosure enclose(const IntervalVec3& x) const override {
     return {dot(n_, x - p_), intervals(n_), packed(Mat3::Zero())};
   }
+  bool flat() const override { return true; }
   bool at_most_quadratic() const override { return true; }
 
   void crossings(const Ray& ray, double t0, double t1, RayParameters& out) const override {

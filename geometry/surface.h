@@ -39,6 +39,8 @@ class Surface {
   virtual Vec3 third_derivative(const Point& x, const Vec3& u, const Vec3& v) const = 0;
   /// Ranges of g, ∇g and the Hessian over a box, up to the rounding of the surface's own constants.
   virtual SurfaceEnclosure enclose(const IntervalVec3& x) const = 0;
+  /// True for planes: light that leaves one does not meet it again.
+  virtual bool flat() const { return false; }
   /// True if the third derivative vanishes identically.
   virtual bool at_most_quadratic() const = 0;
 

@@ -37,6 +37,14 @@ Vec3 ForwardMap::incident(const Point& x) const {
   return point_source_ ? Vec3(x - source_) : source_;
 }
 
+// Where the ray that leaves a hop meets the surface of the next one.
+std::optional<double> ForwardMap::hit_after(int hop, const geometry::Ray& ray,
+                                            const double* guess) const {
+  const bool returns = hops_[hop + 1].surface == hops_[hop].surface;
+  return next_hit(surface(hop + 1), hops_[hop + 1].side, ray,
+                  returns ? least_return(ray, scale_) : 0.0, guess);
+}
+
 bool ForwardMap::follow(const Point& x, std::vector<Point>& hits, Vec3& direction) const {
   hits.assign(1, x);
   direction = incident(x);
@@ -44,7 +52,7 @@ bool ForwardMap::follow(const Point& x, std::vector<Point>& hits, Vec3& directio
   for (int j = 0; j < hop_count(); ++j) {
     if (j > 0) {
       const geometry::Ray ray{hits.back(), direction};
-      const auto tau = next_hit(surface(j), hops_[j].side, ray, nullptr);
+      const auto tau = hit_after(j - 1, ray, nullptr);
       if (!tau) return false;
       hits.push_back(ray.at(*tau));
     }
@@ -217,7 +225,7 @@ bool ForwardMap::pass_all_hops(const Start& start, const Hit* near, FieldPoint& 
     hit.tau = 0.0;
     if (j > 0) {
       const geometry::Ray line{ray.x.v, ray.d.v};
-      const auto tau = next_hit(surface(j), hops_[j].side, line, near ? &near[j].tau : nullptr);
+      const auto tau = hit_after(j - 1, line, near ? &near[j].tau : nullptr);
       if (!tau) return false;
       hit.tau = *tau;
       at = surface_shape.derivatives(line.at(*tau));

@@ -115,6 +115,7 @@ class ForwardMap {
  private:
   struct Start;
   void reflect_once(const Start& start, FieldPoint& f) const;
+  std::optional<double> hit_after(int hop, const geometry::Ray& ray, const double* guess) const;
   bool pass_all_hops(const Start& start, const Hit* near, FieldPoint& f) const;
 
   const OpticalSystem* system_;

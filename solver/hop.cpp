@@ -35,7 +35,13 @@ std::optional<double> hit_near(const SystemSurface& surface, int side, const Ray
 
 }  // namespace
 
-std::optional<double> next_hit(const SystemSurface& surface, int side, const Ray& ray,
+double least_return(const Ray& ray, double scale) {
+  constexpr double kRoundings = 1e3;
+  return kRoundings * geometry::kEpsilon * (ray.origin.cwiseAbs().maxCoeff() + scale) /
+         ray.direction.norm();
+}
+
+std::optional<double> next_hit(const SystemSurface& surface, int side, const Ray& ray, double least,
                                const double* guess) {
   if (guess) {
     if (const auto t = hit_near(surface, side, ray, *guess)) return t;
@@ -46,23 +52,22 @@ std::optional<double> next_hit(const SystemSurface& surface, int side, const Ray
                        kReachBeyond * surface.region.diagonal();
   surface.shape->crossings(ray, 0.0, reach / ray.direction.norm(), roots);
   std::optional<double> best;
-  double least = geometry::kInfinity;
+  double best_badness = geometry::kInfinity;
   Vec3 N;
   for (const double t : roots) {
     const Point y = ray.at(t);
     surface.shape->value_gradient(y, N);
-    // From the other side, or the place where the ray begins.
-    if (!(t > 0.0 && side * N.dot(ray.direction) < 0.0)) continue;
+    if (!(t > least && side * N.dot(ray.direction) < 0.0)) continue;
     double badness = 0.0;
     if (guess) {
       badness = std::abs(t - *guess);
     } else {
       for (const auto& bound : surface.bounds) badness = std::max(badness, bound.value(y));
     }
-    if (badness >= least) continue;
-    least = badness;
+    if (badness >= best_badness) continue;
+    best_badness = badness;
     best = t;
-    if (least == 0.0) break;
+    if (badness == 0.0) break;
   }
   return best;
 }

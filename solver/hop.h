@@ -18,7 +18,7 @@ using VecJet = geometry::JetOf<Vec3>;
 struct Hop {
   int surface;
   int side;  ///< s = ±1: light comes from where s·g > 0
-  bool operator==(const Hop&) const = default;
+  auto operator<=>(const Hop&) const = default;
 };
 /// Ordered, at most kMaxHops.
 using Hops = std::vector<Hop>;
@@ -28,11 +28,14 @@ constexpr int kMaxHops = 8;
 /// where light should pass.
 std::optional<Vec3> bend(const Optics& optics, int side, const Vec3& d, const Vec3& N);
 
-/// τ > 0 where the ray comes to the surface from `side`. Of several places the first that exists, or
+/// τ > least where the ray comes to the surface from `side`. Of several places the first that exists, or
 /// else the one that comes nearest to existing; with `guess`, the one that the guess belongs to,
 /// whether it exists or not. None if the ray misses.
 std::optional<double> next_hit(const SystemSurface& surface, int side, const geometry::Ray& ray,
-                               const double* guess);
+                               double least, const double* guess);
+/// The least τ of a hit on the surface where the ray begins: rounding may leave that place itself
+/// at a positive τ.
+double least_return(const geometry::Ray& ray, double scale);
 
 /// Position and unnormalised direction of a ray as functions of (s, t).
 struct RayJet {

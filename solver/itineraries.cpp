@@ -70,10 +70,12 @@ class SideFinder {
  private:
   void meet(const geometry::Ray& ray, std::size_t hop) {
     const SystemSurface& surface = system_.surfaces()[surfaces_[hop]];
+    const bool returns = surfaces_[hop] == surfaces_[hop - 1];
+    const double least = returns ? least_return(ray, system_.diameter()) : 0.0;
     std::optional<double> tau[2];
     bool exists[2] = {};
     for (int k = 0; k < 2; ++k) {
-      tau[k] = next_hit(surface, 1 - 2 * k, ray, nullptr);
+      tau[k] = next_hit(surface, 1 - 2 * k, ray, least, nullptr);
       exists[k] = tau[k] && outside_by(surface, ray.at(*tau[k])) <= slack_;
     }
     const bool open = !exists[0] && !exists[1];
@@ -95,8 +97,11 @@ class SideFinder {
 // Follows rays wherever they go.
 class Wanderer {
  public:
-  Wanderer(const OpticalSystem& system, int max_bounces)
-      : system_(system), max_bounces_(max_bounces), slack_(kExistsShare * system.diameter()) {
+  Wanderer(const OpticalSystem& system, int max_bounces, Arrival arrival)
+      : system_(system),
+        max_bounces_(max_bounces),
+        arrival_(arrival),
+        slack_(kExistsShare * system.diameter()) {
     if (system.surfaces().size() >= static_cast<std::size_t>(kEmbreeSurfaces)) {
       std::vector<geometry::Box> boxes;
       for (const auto& surface : system.surfaces()) boxes.push_back(surface.region);
@@ -113,7 +118,7 @@ class Wanderer {
     // Anything on the way from the light?
     const bool point = std::holds_alternative<PointLight>(system_.light());
     const geometry::Ray back{x, point ? Vec3(-d) : Vec3(-reach(x) * d)};
-    const auto blocker = first_hit(back);
+    const auto blocker = first_hit(back, surface);
     if (blocker && blocker->tau < 1.0 - 1e-9) return;
     surfaces_.clear();
     go(surface, x, d, side);
@@ -135,13 +140,14 @@ class Wanderer {
     return far;
   }
 
-  // The first surface that exists on the ray.
-  std::optional<Meeting> first_hit(const geometry::Ray& ray) {
+  // The first surface that exists on the ray, which begins on the surface `own`.
+  std::optional<Meeting> first_hit(const geometry::Ray& ray, int own) {
     std::optional<Meeting> first;
+    const double least = least_return(ray, system_.diameter());
     const auto ask = [&](int i) {
       const SystemSurface& surface = system_.surfaces()[i];
       for (const int side : {1, -1}) {
-        const auto tau = next_hit(surface, side, ray, nullptr);
+        const auto tau = next_hit(surface, side, ray, i == own ? least : 0.0, nullptr);
         if (!tau || (first && *tau >= first->tau)) continue;
         if (outside_by(surface, ray.at(*tau)) <= slack_) first = {*tau, i, side};
       }
@@ -165,7 +171,7 @@ class Wanderer {
     if (!on) return;
     surfaces_.push_back(surface);
     const geometry::Ray ray{x, *on};
-    const auto next = first_hit(ray);
+    const auto next = first_hit(ray, surface);
     if (arrives(ray, next)) found.insert(surfaces_);
     if (next && static_cast<int>(surfaces_.size()) < max_bounces_) {
       go(next->surface, ray.at(next->tau), ray.direction, next->side);
@@ -173,6 +179,7 @@ class Wanderer {
   }
 
   bool arrives(const geometry::Ray& ray, const std::optional<Meeting>& next) const {
+    if (arrival_ == Arrival::anywhere) return true;
     const auto& receiver = system_.receiver();
     const double lambda =
         receiver.m.dot(receiver.origin - ray.origin) / receiver.m.dot(ray.direction);
@@ -184,6 +191,7 @@ class Wanderer {
 
   const OpticalSystem& system_;
   int max_bounces_;
+  Arrival arrival_;
   double slack_;
   std::unique_ptr<geometry::EmbreeScene> embree_;
   std::vector<int> candidates_, surfaces_;
@@ -210,8 +218,9 @@ std::vector<Hops> sides_of(const OpticalSystem& system, const std::vector<int>& 
   return out;
 }
 
-std::vector<std::vector<int>> families_that_occur(const OpticalSystem& system, int max_bounces) {
-  Wanderer wanderer(system, max_bounces);
+std::vector<std::vector<int>> families_that_occur(const OpticalSystem& system, int max_bounces,
+                                                  Arrival arrival) {
+  Wanderer wanderer(system, max_bounces, arrival);
   const double slack = kExistsShare * system.diameter();
   for (int i = 0; i < static_cast<int>(system.surfaces().size()); ++i) {
     const SystemSurface& surface = system.surfaces()[i];
@@ -224,6 +233,16 @@ std::vector<std::vector<int>> families_that_occur(const OpticalSystem& system, i
   std::stable_sort(out.begin(), out.end(),
                    [](const auto& a, const auto& b) { return a.size() < b.size(); });
   return out;
+}
+
+std::vector<std::vector<int>> families_up_to(const OpticalSystem& system, int max_bounces,
+                                             Arrival arrival) {
+  if (max_bounces > 1) return families_that_occur(system, max_bounces, arrival);
+  std::vector<std::vector<int>> families;
+  for (int i = 0; i < static_cast<int>(system.surfaces().size()); ++i) {
+    if (system.surfaces()[i].optics.passes_light_on()) families.push_back({i});
+  }
+  return families;
 }
 
 }  // namespace caustic::solver

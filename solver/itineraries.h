@@ -12,8 +12,15 @@ namespace caustic::solver {
 /// to the first from `side`. Nothing if no ray gets through, whatever apertures and other surfaces do.
 std::vector<Hops> sides_of(const OpticalSystem& system, const std::vector<int>& surfaces, int side);
 
-/// All families of at most `max_bounces` hops that some ray takes from the light to the receiver's
-/// window, nothing in its way: by length, then by surfaces.
-std::vector<std::vector<int>> families_that_occur(const OpticalSystem& system, int max_bounces);
+/// The families of a request that names none: every surface that passes light on by itself, or, for
+/// more than one bounce, those that occur.
+enum class Arrival { in_window, anywhere };
+std::vector<std::vector<int>> families_up_to(const OpticalSystem& system, int max_bounces,
+                                             Arrival arrival = Arrival::in_window);
+
+/// All families of at most `max_bounces` hops that some ray takes from the light, nothing in its way,
+/// to the receiver's window or wherever it goes: by length, then by surfaces.
+std::vector<std::vector<int>> families_that_occur(const OpticalSystem& system, int max_bounces,
+                                                  Arrival arrival);
 
 }  // namespace caustic::solver

@@ -29,6 +29,13 @@ class OpticalSystem {
   static OpticalSystem build(Light light, std::vector<SystemSurface> surfaces,
                              geometry::ReceiverFrame receiver);
 
+  /// The same surfaces, seen from another light.
+  OpticalSystem with_light(Light light) const {
+    OpticalSystem other = *this;
+    other.light_ = std::move(light);
+    return other;
+  }
+
   const Light& light() const { return light_; }
   const std::vector<SystemSurface>& surfaces() const { return surfaces_; }
   const geometry::ReceiverFrame& receiver() const { return receiver_; }

@@ -1,5 +1,7 @@
 #include "solver/paths_between.h"
 
+#include "solver/itineraries.h"
+
 #include "solver/certify_paths.h"
 
 namespace caustic::solver {
@@ -49,17 +51,13 @@ std::vector<FamilyPath> certified_paths(const OpticalSystem& system, const Famil
 
 }  // namespace
 
-std::vector<Family> single_hop_families(const OpticalSystem& system) {
-  std::vector<Family> families;
-  for (int i = 0; i < static_cast<int>(system.surfaces().size()); ++i) {
-    if (system.surfaces()[i].optics.kind == Optics::Kind::mirror) families.push_back({i});
-  }
-  return families;
-}
-
 PathsResult paths_between(const OpticalSystem& system, const PathsRequest& request) {
   PathsResult result;
-  const auto families = request.families.empty() ? single_hop_families(system) : request.families;
+  auto families = request.families;
+  if (families.empty()) {
+    families = families_up_to(system.with_light(PointLight{request.from, 1.0}), request.max_bounces,
+                              Arrival::anywhere);
+  }
   for (int id = 0; id < static_cast<int>(families.size()); ++id) {
     PathFinder finder(system, families[id], PointLight{request.from, 1.0});
     std::vector<FamilyPath> paths;

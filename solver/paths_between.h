@@ -12,7 +12,8 @@ namespace caustic::solver {
 
 struct PathsRequest {
   Point from, to;
-  std::vector<Family> families;  ///< empty: every surface that passes light on, by itself
+  std::vector<Family> families;  ///< empty: those of at most `max_bounces` that light from `from` takes
+  int max_bounces = 1;
   bool hessians = false;
   bool certify = false;
   std::optional<Vec3> shift;  ///< predict the path to `to` + shift
@@ -33,8 +34,5 @@ struct PathsResult {
 };
 
 PathsResult paths_between(const OpticalSystem& system, const PathsRequest& request);
-
-/// Every surface that passes light on, by itself.
-std::vector<Family> single_hop_families(const OpticalSystem& system);
 
 }  // namespace caustic::solver

@@ -20,7 +20,9 @@ double beyond(const std::vector<geometry::Bound>& bounds, const Point& x) {
 }  // namespace
 
 PathSurface path_surface(const SystemSurface& surface) {
-  return {surface.shape.get(), &surface.bounds, surface.region};
+  const Optics& optics = surface.optics;
+  return {surface.shape.get(),   &surface.bounds,      surface.region,
+          optics.kind != Optics::Kind::refract, optics.index_outside, optics.index_inside};
 }
 
 PencilTracer::PencilTracer(std::vector<PathSurface> surfaces, Light light, double reach)

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "solver/paths_between.h"
+#include "solver/itineraries.h"
 
 namespace caustic::solver {
 
@@ -18,21 +18,21 @@ LightMeter::LightMeter(const OpticalSystem& system, const std::vector<Family>& f
                        bool direct)
     : system_(system),
       direct_(direct),
-      families_(families.empty() ? single_hop_families(system) : families) {
+      families_(families.empty() ? families_up_to(system, 1) : families) {
   for (const Family& family : families_) finders_.emplace_back(system, family, system.light());
 }
 
 const ForwardMap& LightMeter::map_of(int family, const std::vector<Point>& hits) {
-  std::vector<int> sides;
+  Hops hops;
   for (std::size_t i = 0; i < hits.size(); ++i) {
     Vec3 N;
     system_.surfaces()[families_[family][i]].shape->value_gradient(hits[i], N);
     const Vec3 in =
         i == 0 ? finders_[family].tracer().incident(hits[0]) : Vec3(hits[i] - hits[i - 1]);
-    sides.push_back(N.dot(in) < 0.0 ? 1 : -1);
+    hops.push_back({families_[family][i], N.dot(in) < 0.0 ? 1 : -1});
   }
-  auto& map = maps_[{family, sides}];
-  if (!map) map = std::make_unique<ForwardMap>(system_, families_[family].front(), sides.front());
+  auto& map = maps_[{family, hops}];
+  if (!map) map = std::make_unique<ForwardMap>(system_, hops);
   return *map;
 }
 

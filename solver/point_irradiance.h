@@ -45,7 +45,7 @@ class LightMeter {
   bool direct_;
   std::vector<Family> families_;
   std::vector<PathFinder> finders_;
-  std::map<std::pair<int, std::vector<int>>, std::unique_ptr<ForwardMap>> maps_;  // by sides
+  std::map<std::pair<int, Hops>, std::unique_ptr<ForwardMap>> maps_;
 };
 
 }  // namespace caustic::solver

@@ -107,13 +107,7 @@ class Run {
 
 void Run::list_families() {
   std::vector<std::vector<int>> families = request_.families;
-  if (families.empty() && request_.max_bounces > 1) {
-    families = families_that_occur(system_, request_.max_bounces);
-  } else if (families.empty()) {
-    for (int i = 0; i < static_cast<int>(system_.surfaces().size()); ++i) {
-      if (system_.surfaces()[i].optics.passes_light_on()) families.push_back({i});
-    }
-  }
+  if (families.empty()) families = families_up_to(system_, request_.max_bounces);
   for (int id = 0; id < static_cast<int>(families.size()); ++id) {
     result_.families.push_back({id, families[id], 0.0});
   }

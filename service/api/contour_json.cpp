@@ -106,7 +106,10 @@ void read_what_is_to_come(ObjectReader& root) {
 Scene read_members(ObjectReader& root, ContourRequest& request, bool& store) {
   Scene scene;
   if (const auto place = root.member("scene")) scene = read_scene(*place, root.faults());
-  request.families = read_families(root, scene);
+  const FamilyRequest families = read_families(root, scene);
+  request.families = families.listed;
+  request.max_bounces = families.max_bounces;
+  request.min_flux_share = families.min_flux_share;
   read_levels(root, request.levels);
   read_what_is_to_come(root);
   read_include(root, request);

@@ -10,7 +10,7 @@ using nlohmann::json;
 
 constexpr std::size_t kMaxFamilies = 10'000;
 
-/// Surface indices of one family: exactly one mirror in this version.
+/// Surface indices of one family.
 std::vector<int> read_family(const JsonPlace& place, const Scene& scene,
                              const std::map<std::string, int>& index, Faults& faults) {
   std::vector<int> family;
@@ -22,13 +22,15 @@ std::vector<int> read_family(const JsonPlace& place, const Scene& scene,
       faults.add(name.pointer, "no surface has this name");
       continue;
     }
+    const solver::SystemSurface& surface = scene.surfaces[found->second];
+    if (!surface.optics.passes_light_on())
+      faults.add(name.pointer, "absorbs all light, so no family goes on from it");
+    if (!family.empty() && family.back() == found->second && surface.shape && surface.shape->flat())
+      faults.add(name.pointer, "never occurs: light that leaves a plane does not meet it again");
     family.push_back(found->second);
-    if (scene.surfaces[found->second].optics.kind != solver::Optics::Kind::mirror)
-      faults.add(name.pointer, "not a mirror");
   }
   if (place.value->is_array() && place.value->empty())
     faults.add(place.pointer, "needs at least one surface");
-  if (names.size() > 1) faults.not_supported(place.pointer, "a family of more than one bounce");
   return family;
 }
 
@@ -49,11 +51,11 @@ void read_family_list(const JsonPlace& place, const Scene& scene, Families& fami
 
 }  // namespace
 
-Families read_families(ObjectReader& root, const Scene& scene) {
-  Families out;
+FamilyRequest read_families(ObjectReader& root, const Scene& scene) {
+  FamilyRequest out;
   const JsonPlace place = root.member_or("families", json::object());
   if (place.value->is_array()) {
-    read_family_list(place, scene, out, root.faults());
+    read_family_list(place, scene, out.listed, root.faults());
     return out;
   }
   if (!place.value->is_object()) {
@@ -62,9 +64,8 @@ Families read_families(ObjectReader& root, const Scene& scene) {
   }
   ObjectReader families(place, root.faults());
   const JsonPlace bounces = families.member_or("max_bounces", 1.0);
-  if (read_integer(bounces, 1, kMaxBounces, root.faults()) > 1)
-    root.faults().not_supported(bounces.pointer, "more than one bounce");
-  families.number_or("min_flux_share", {0.0, 1.0}, 1e-6);
+  out.max_bounces = read_integer(bounces, 1, kMaxBounces, root.faults());
+  out.min_flux_share = families.number_or("min_flux_share", {0.0, 1.0}, 1e-6);
   return out;
 }
 

@@ -13,7 +13,12 @@ constexpr int kMaxBounces = 8;
 /// Surface indices in the order of the light.
 using Families = std::vector<std::vector<int>>;
 
-/// Empty stands for every mirror by itself.
-Families read_families(ObjectReader& root, const Scene& scene);
+/// Families by name, or else all that occur with so many bounces.
+struct FamilyRequest {
+  Families listed;
+  int max_bounces = 1;
+  double min_flux_share = 1e-6;
+};
+FamilyRequest read_families(ObjectReader& root, const Scene& scene);
 
 }  // namespace caustic::service

@@ -5,6 +5,7 @@
 #include "service/api/family_json.h"
 #include "service/api/json_text.h"
 #include "service/api/scene_json.h"
+#include "solver/itineraries.h"
 
 namespace caustic::service {
 namespace {
@@ -90,7 +91,7 @@ IrradianceCall read_irradiance_call(std::string_view body) {
   json document = parse_json(body);
   Faults faults;
   Scene scene;
-  std::vector<solver::Family> families;
+  FamilyRequest families;
   std::vector<Vec2> points;
   bool direct = false;
   {
@@ -101,8 +102,11 @@ IrradianceCall read_irradiance_call(std::string_view body) {
     points = read_places(root, scene);
   }
   faults.throw_if_any();
-  return {solver::OpticalSystem::build(scene.light, std::move(scene.surfaces), scene.receiver),
-          std::move(families), direct, std::move(points), scene.units};
+  auto system =
+      solver::OpticalSystem::build(scene.light, std::move(scene.surfaces), scene.receiver);
+  if (families.listed.empty())
+    families.listed = solver::families_up_to(system, families.max_bounces);
+  return {std::move(system), std::move(families.listed), direct, std::move(points), scene.units};
 }
 
 std::string irradiance_answer(const IrradianceCall& call,

@@ -82,7 +82,9 @@ PathCall read_path_call(std::string_view body) {
     if (faults.none() && request.from == request.to) {
       faults.add(root.pointer_to("to"), "must not be the point that `from` is");
     }
-    request.families = read_families(root, scene);
+    const FamilyRequest families = read_families(root, scene);
+    request.families = families.listed;
+    request.max_bounces = families.max_bounces;
     request.hessians = root.boolean_or("hessians", false);
     request.certify = root.boolean_or("certify", false);
     if (root.optional_member("perturb")) request.shift = metres * root.vector("perturb");

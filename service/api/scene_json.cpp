@@ -15,6 +15,8 @@ using nlohmann::json;
 
 /// A direction this close to another (sine of the angle) leaves no plane between the two.
 constexpr double kParallelSine = 1e-9;
+/// Indices of refraction; beyond, Snell's law is all rounding.
+constexpr Range kIndex{1e-3, 1e3};
 
 Units read_units(ObjectReader& scene) {
   Units units;
@@ -69,25 +71,39 @@ geometry::Pose read_pose(ObjectReader& surface, double metres) {
   return geometry::Pose::make(axis, degrees * kPi / 180.0, metres * pose.vector("translate"));
 }
 
+void read_mirror(ObjectReader& optics, solver::Optics& out) {
+  const auto n = optics.optional_member("n"), k = optics.optional_member("k");
+  if (!n && !k) {
+    out.reflectance = optics.number_or("reflectance", {0.0, 1.0, true}, 1.0);
+    return;
+  }
+  if (const auto reflectance = optics.optional_member("reflectance"))
+    optics.faults().add(reflectance->pointer, "give reflectance or n and k, not both");
+  const double real = optics.number("n", kPositive);
+  out.metal = std::complex(real, optics.number("k", {0.0, kPositive.max}));
+}
+
+void read_refraction(ObjectReader& optics, solver::Optics& out) {
+  out.kind = solver::Optics::Kind::refract;
+  out.index_outside = optics.number("index_outside", kIndex);
+  out.index_inside = optics.number("index_inside", kIndex);
+  out.fresnel = optics.boolean_or("fresnel", false);
+}
+
 solver::Optics read_optics(ObjectReader& surface) {
   const auto place = surface.member("optics");
   solver::Optics out;
   if (!place) return out;
   ObjectReader optics(*place, surface.faults());
   const std::string type = optics.word("type", {"mirror", "refract", "absorb"});
-  if (type == "absorb") out.kind = solver::Optics::Kind::absorb;
-  if (type == "refract") surface.faults().not_supported(optics.pointer_to("type"), "refract");
-  if (type != "mirror") {
+  if (type == "mirror") {
+    read_mirror(optics, out);
+  } else if (type == "refract") {
+    read_refraction(optics, out);
+  } else {
+    out.kind = solver::Optics::Kind::absorb;
     if (type != "absorb") optics.ignore_the_rest();
-    return out;
   }
-  const auto n = optics.optional_member("n"), k = optics.optional_member("k");
-  for (const auto& constant : {n, k})
-    if (constant) surface.faults().not_supported(constant->pointer, "a metal given by its n and k");
-  if (!n && !k)
-    out.reflectance = optics.number_or("reflectance", {0.0, 1.0, true}, 1.0);
-  else
-    optics.ignore_the_rest();
   return out;
 }
 
