@@ -19,7 +19,7 @@ struct Optics {
 
   Kind kind = Kind::mirror;
   double reflectance = 1.0;                   ///< mirrors, in (0, 1]
-  std::optional<std::complex<double>> metal;  ///< n + ik takes the place of `reflectance`
+  std::optional<std::complex<double>> metal = std::nullopt;  ///< n + ik takes the place of `reflectance`
   double index_outside = 1.0, index_inside = 1.0;  ///< refraction, > 0
   bool fresnel = false;                       ///< refraction loses what Fresnel reflects
 

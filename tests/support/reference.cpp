@@ -18,23 +18,38 @@ template <class T>
 using V = std::array<T, 3>;
 
 template <class T>
-V<T> operator+(const V<T>& a, const V<T>& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+V<T> operator+(const V<T>& a, const V<T>& b) {
+  return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
+}
 template <class T>
-V<T> operator-(const V<T>& a, const V<T>& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+V<T> operator-(const V<T>& a, const V<T>& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
 template <class T>
-V<T> operator*(const T& k, const V<T>& a) { return {k * a[0], k * a[1], k * a[2]}; }
+V<T> operator*(const T& k, const V<T>& a) {
+  return {k * a[0], k * a[1], k * a[2]};
+}
 template <class T>
-T dot(const V<T>& a, const V<T>& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+T dot(const V<T>& a, const V<T>& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 template <class T>
 V<T> cross(const V<T>& a, const V<T>& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 template <class T>
-T norm(const V<T>& a) { using std::sqrt; return sqrt(dot(a, a)); }
+T norm(const V<T>& a) {
+  using std::sqrt;
+  return sqrt(dot(a, a));
+}
 template <class T>
-V<T> unit(const V<T>& a) { return T(1 / norm(a)) * a; }
+V<T> unit(const V<T>& a) {
+  return T(1 / norm(a)) * a;
+}
 template <class T>
-V<T> from(const Vec3& a) { return {T(a.x()), T(a.y()), T(a.z())}; }
+V<T> from(const Vec3& a) {
+  return {T(a.x()), T(a.y()), T(a.z())};
+}
 template <class T>
 Vec3 rounded(const V<T>& a) {
   return {static_cast<double>(a[0]), static_cast<double>(a[1]), static_cast<double>(a[2])};
@@ -216,7 +231,8 @@ Implicit<T> implicit_local(const ShapeSpec& s, const V<T>& x) {
   using std::sqrt;
   if (s.kind == Kind::quadric) {
     const auto& c = s.coefficients;
-    const T A(c[0]), B(c[1]), C(c[2]), D(c[3]), E(c[4]), F(c[5]), G(c[6]), H(c[7]), I(c[8]), J(c[9]);
+    const T A(c[0]), B(c[1]), C(c[2]), D(c[3]), E(c[4]), F(c[5]), G(c[6]), H(c[7]), I(c[8]),
+        J(c[9]);
     const T &X = x[0], &Y = x[1], &Z = x[2];
     return {A * X * X + B * Y * Y + C * Z * Z + 2 * (D * X * Y + E * X * Z + F * Y * Z) +
                 2 * (G * X + H * Y + I * Z) + J,
@@ -322,18 +338,58 @@ class FieldReference {
   bool point_light() const { return scene_.light.index() == 0; }
   V<Real> omega(const V<Real>& x) const { return point_light() ? unit(x - source_) : beam_; }
 
+  // Direction after a bounce, n against the light: the tangential part times η by Snell.
+  static V<Real> turned(const solver::Optics& optics, int side, const V<Real>& in,
+                        const V<Real>& n) {
+    const Real c = dot(in, n);
+    if (optics.kind == solver::Optics::Kind::mirror) return in - Real(2 * c) * n;
+    const V<Real> across = Real(optics.eta(side)) * (in - c * n);
+    return across - Real(sqrt(1 - dot(across, across))) * n;
+  }
+  // Fresnel by the sine and tangent formulas of the angles; metals by complex ones written out.
+  static Real share(const solver::Optics& optics, int side, const Real& cosine) {
+    if (optics.constant_share()) return 1;
+    const Real i = acos(cosine), s = sin(i);
+    if (optics.kind == solver::Optics::Kind::refract) {
+      const Real t = asin(s * Real(optics.eta(side)));
+      const Real sines = sin(i - t) / sin(i + t), tangents = tan(i - t) / tan(i + t);
+      return 1 - (sines * sines + tangents * tangents) / 2;
+    }
+    // Born & Wolf §14.2: a and b of √(m² − sin² i) = a − ib.
+    const Real n(optics.metal->real()), k(optics.metal->imag()), d = n * n - k * k - s * s;
+    const Real root = sqrt(d * d + 4 * n * n * k * k), aa = (root + d) / 2, bb = (root - d) / 2;
+    const Real a = sqrt(aa), t = s * s / cosine;
+    const Real across =
+        (aa + bb - 2 * a * cosine + cosine * cosine) / (aa + bb + 2 * a * cosine + cosine * cosine);
+    const Real along = across * (aa + bb - 2 * a * t + t * t) / (aa + bb + 2 * a * t + t * t);
+    return (across + along) / 2;
+  }
+
   struct Arrival {
     std::array<Real, 2> q;
     V<Real> direction;
+    Real share;
   };
   Arrival arrival(const V<Real>& x) const {
-    const V<Real> n = unit(implicit<Real>(scene_.shape, x).gradient);
-    const V<Real> in = omega(x);
-    const V<Real> out = in - Real(2 * dot(in, n)) * n;
-    const V<Real> y = x - from<Real>(scene_.receiver.origin);
+    V<Real> n = Real(scene_.side) * unit(implicit<Real>(scene_.shape, x).gradient);
+    V<Real> at = x, out = omega(x);
+    Real passed = share(scene_.optics, scene_.side, -dot(out, n));
+    out = turned(scene_.optics, scene_.side, out, n);
+    for (const ReferenceHop& hop : scene_.later) {
+      Real distance(hop.distance);
+      for (int i = 0; i < 8; ++i) {
+        const auto g = implicit<Real>(hop.shape, at + distance * out);
+        distance -= g.value / dot(g.gradient, out);
+      }
+      at = at + distance * out;
+      n = Real(hop.side) * unit(implicit<Real>(hop.shape, at).gradient);
+      passed *= share(hop.optics, hop.side, -dot(out, n));
+      out = turned(hop.optics, hop.side, out, n);
+    }
+    const V<Real> y = at - from<Real>(scene_.receiver.origin);
     const Real tau = -dot(m_, y) / dot(m_, out);
     const V<Real> p = y + tau * out;
-    return {{dot(u_, p), dot(v_, p)}, out};
+    return {{dot(u_, p), dot(v_, p)}, out, passed};
   }
 
   /// Rows ∇q₁, ∇q₂, ∇g in ambient space.
@@ -363,7 +419,11 @@ class FieldReference {
   }
   Real flux(const V<Real>& x) const {
     const V<Real> n = unit(implicit<Real>(scene_.shape, x).gradient);
-    return -scene_.side * full_flux(x) * dot(omega(x), n);
+    Real constant = 1;
+    for (const ReferenceHop& hop : scene_.later) {
+      if (hop.optics.constant_share()) constant *= Real(hop.optics.share(1, 1.0).value);
+    }
+    return -scene_.side * constant * full_flux(x) * dot(omega(x), n) * arrival(x).share;
   }
 
   ReferenceField field(const V<Real>& x) const {
@@ -371,7 +431,9 @@ class FieldReference {
     const V<Real> n = unit(K[2]);
     const auto e = tangents(n);
     // First derivatives of q along e1, e2, and their changes.
-    const auto along = [&](const std::array<V<Real>, 3>& k, int j, int i) { return dot(k[j], e[i]); };
+    const auto along = [&](const std::array<V<Real>, 3>& k, int j, int i) {
+      return dot(k[j], e[i]);
+    };
     std::array<std::array<std::array<Real, 2>, 2>, 2> second;  // [q][i][k]
     V<Real> grad_a{Real(0), Real(0), Real(0)}, grad_flux = grad_a;
     Real bends = 0;
@@ -386,8 +448,7 @@ class FieldReference {
         const Real bend = (dot(K_hi[2], e[i]) - dot(K_lo[2], e[i])) / (two_h * norm(K[2]));
         bends += bend * bend;
         for (int j = 0; j < 2; ++j) {
-          second[j][i][k] =
-              (along(K_hi, j, i) - along(K_lo, j, i)) / two_h - bend * dot(K[j], n);
+          second[j][i][k] = (along(K_hi, j, i) - along(K_lo, j, i)) / two_h - bend * dot(K[j], n);
         }
       }
     }
@@ -413,7 +474,8 @@ class FieldReference {
     f.scale_of_flux = static_cast<double>(full_flux(x));
     f.grad_flux = rounded(grad_flux);
     f.scale_of_grad_flux = f.scale_of_flux * f.curvature;
-    if (point_light()) f.scale_of_grad_flux += static_cast<double>(3 * full_flux(x) / norm(x - source_));
+    if (point_light())
+      f.scale_of_grad_flux += static_cast<double>(3 * full_flux(x) / norm(x - source_));
     return f;
   }
 
@@ -441,8 +503,8 @@ ReferenceShape reference_shape(const ShapeSpec& spec, const Point& point) {
     V<Real> hi = x, lo = x;
     hi[i] += kStep;
     lo[i] -= kStep;
-    const V<Real> change = unit(implicit<Real>(spec, hi).gradient) -
-                           unit(implicit<Real>(spec, lo).gradient);
+    const V<Real> change =
+        unit(implicit<Real>(spec, hi).gradient) - unit(implicit<Real>(spec, lo).gradient);
     derivative.col(i) = rounded(Real(1 / (2 * kStep)) * change);
   }
   r.curvature = derivative * (Mat3::Identity() - r.normal * r.normal.transpose());
@@ -454,8 +516,7 @@ ReferenceRay::ReferenceRay(const ShapeSpec& spec, const geometry::Ray& ray)
 
 long double ReferenceRay::value(long double t) const {
   using T = long double;
-  const auto here =
-      implicit<T>(*spec_, from<T>(ray_.origin) + t * from<T>(ray_.direction));
+  const auto here = implicit<T>(*spec_, from<T>(ray_.origin) + t * from<T>(ray_.direction));
   return here.value / norm(here.gradient);
 }
 
