@@ -95,6 +95,9 @@ void expect_end(const OpticalSystem& system, const ForwardMap& map, const FieldP
                                    << f.a / f.scale_of_a();
       EXPECT_NEAR(f.cos_alpha, 0.0, meet ? 1e-5 : 1e-9) << what;
       break;
+    case Ending::total_internal_reflection:
+      EXPECT_NEAR(f.hits[map.hop_count() - 1].headroom, 0.0, 1e-5) << what;
+      break;
     case Ending::shadow:
     case Ending::occlusion: break;  // in sight on one side only
     case Ending::limit:
