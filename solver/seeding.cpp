@@ -87,9 +87,11 @@ class Seeder {
     FieldPoint at = fa == 0.0 ? a : b;
     if (fa != 0.0 && fb != 0.0) {
       if ((fa > 0.0) == (fb > 0.0)) return;
-      // Next to an end that may be a critical point f is flat, and Newton's method wants more.
+      // Next to an end that may be a critical point f is flat, and Newton's method wants more; a
+      // seed is nearer than both ends in any case.
       const auto [least, largest] = std::minmax({std::abs(fa), std::abs(fb)});
-      const double near = kSeedShare * (least < kFlatShare * largest ? least : largest);
+      const double near =
+          kSeedShare * (least < kFlatShare * largest ? least : std::min(largest, 5.0 * least));
       const auto value = [&](double w) {
         at = path(w);
         return at.finite ? f.value(at) : 0.0;

@@ -121,11 +121,13 @@ TEST(SceneJson, refuses_shapes_that_are_none) {
        "minor_radius"},
       {R"({"type":"conic","vertex":[0,0,0],"axis":[0,0,1],"radius_of_curvature":0,"conic_constant":0})",
        "radius_of_curvature"},
-      {R"({"type":"revolution","origin":[0,0,0],"axis":[0,0,1],"height":0,"profile":[1]})", "height"},
+      {R"({"type":"revolution","origin":[0,0,0],"axis":[0,0,1],"height":0,"profile":[1]})",
+       "height"},
       {R"({"type":"revolution","origin":[0,0,0],"axis":[0,0,0],"height":1,"profile":[1]})", "axis"},
       {R"({"type":"revolution","origin":[0,0,0],"axis":[0,0,1],"height":1,"profile":[1,-2]})",
        "profile"},
-      {R"({"type":"revolution","origin":[0,0,0],"axis":[0,0,1],"height":1,"profile":[]})", "profile"},
+      {R"({"type":"revolution","origin":[0,0,0],"axis":[0,0,1],"height":1,"profile":[]})",
+       "profile"},
       {R"({"type":"revolution","origin":[0,0,0],"axis":[0,0,1],"height":1,"profile":[1,"x"]})",
        "profile/1"},
       {R"({"type":"revolution","origin":[0,0,0],"axis":[0,0,1],"height":1})", "profile"},
@@ -142,16 +144,12 @@ TEST(SceneJson, says_what_this_version_lacks) {
   const std::pair<const char*, const char*> cases[] = {
       {"/scene/light", R"({"type":"photometric_file","content":"x"})"},
       {"/scene/surfaces/0/shape", R"({"type":"expression","expression":"x"})"},
-      {"/scene/surfaces/0/optics", R"({"type":"refract","index_inside":1.3})"},
-      {"/scene/surfaces/0/optics", R"({"type":"mirror","n":0.2,"k":3})"},
       {"/scene/surfaces/0/aperture", R"([{"type":"expression","expression":"x"}])"},
       {"/measure", R"("total")"},
       {"/direct", "true"},
       {"/certify", "true"},
       {"/include", R"(["isolux","critical_points"])"},
       {"/include", R"(["boundaries"])"},
-      {"/families", R"([["ball","ball"]])"},
-      {"/families", R"({"max_bounces":2})"},
   };
   for (const auto& [pointer, value] : cases) {
     json request = ball_request();
@@ -162,6 +160,42 @@ TEST(SceneJson, says_what_this_version_lacks) {
       EXPECT_TRUE(place.starts_with(pointer)) << place;
       EXPECT_NE(detail.find("not supported by this version"), std::string::npos) << detail;
     }
+  }
+}
+
+TEST(SceneJson, reads_optics) {
+  const auto optics_of = [](const char* text) {
+    json request = ball_request();
+    request["scene"]["surfaces"][0]["optics"] = json::parse(text);
+    return read_contour_call(request.dump()).system.surfaces()[0].optics;
+  };
+  const auto glass =
+      optics_of(R"({"type":"refract","index_outside":1,"index_inside":1.5,"fresnel":true})");
+  EXPECT_EQ(glass.kind, solver::Optics::Kind::refract);
+  EXPECT_EQ(glass.eta(1), 1.0 / 1.5);
+  EXPECT_EQ(glass.eta(-1), 1.5);
+  EXPECT_NEAR(glass.share(1, 1.0).value, 0.96, 1e-15);
+  const auto silver = optics_of(R"({"type":"mirror","n":0.05,"k":4})");
+  EXPECT_EQ(silver.metal, std::complex(0.05, 4.0));
+}
+
+TEST(SceneJson, names_what_is_wrong_with_optics) {
+  const std::pair<const char*, Pointers> cases[] = {
+      {R"({"type":"refract","index_inside":1.3})", {"index_outside"}},
+      {R"({"type":"refract","index_inside":0,"index_outside":-1})",
+       {"index_inside", "index_outside"}},
+      {R"({"type":"refract","index_inside":1,"index_outside":1,"fresnel":1})", {"fresnel"}},
+      {R"({"type":"mirror","n":0.2})", {"k"}},
+      {R"({"type":"mirror","n":0,"k":-1})", {"k", "n"}},
+      {R"({"type":"mirror","n":1,"k":1,"reflectance":0.5})", {"reflectance"}},
+      {R"({"type":"absorb","n":1})", {"n"}},
+  };
+  for (const auto& [optics, members] : cases) {
+    json request = ball_request();
+    request["scene"]["surfaces"][0]["optics"] = json::parse(optics);
+    Pointers expected;
+    for (const auto& member : members) expected.push_back("/scene/surfaces/0/optics/" + member);
+    EXPECT_EQ(pointers_of(request), expected) << optics;
   }
 }
 
