@@ -25,10 +25,11 @@ constexpr int kGrid = 60;
 
 void expect_complete(const solver::OpticalSystem& system, const ContourResult& result,
                      double within) {
-  std::size_t places_seen = 0;
+  std::size_t places_seen = 0, families_checked = 0;
   for (const auto& family : result.families) {
     const int surface = family.surfaces[0];
-    if (system.surfaces()[surface].optics.kind != solver::Optics::Kind::mirror) continue;
+    if (family.surfaces.size() > 1) continue;
+    ++families_checked;
     for (std::size_t i = 0; i < result.levels.size(); i += 3) {
       for (const int side : {1, -1}) {
         for (const int parity : {1, -1}) {
@@ -50,7 +51,7 @@ void expect_complete(const solver::OpticalSystem& system, const ContourResult& r
       }
     }
   }
-  EXPECT_GT(places_seen, 0u);
+  EXPECT_TRUE(families_checked == 0 || places_seen > 0);
 }
 
 class EveryExample : public testing::TestWithParam<std::string> {};

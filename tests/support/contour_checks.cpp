@@ -6,6 +6,8 @@
 #include <cmath>
 #include <optional>
 
+#include "solver/itineraries.h"
+
 namespace caustic::test {
 
 using namespace solver;
@@ -13,7 +15,7 @@ using geometry::Point;
 using geometry::Vec2;
 using geometry::Vec3;
 
-bool in_sight(const OpticalSystem& system, const FieldPoint& f) {
+bool in_sight(const OpticalSystem& system, const FieldPoint& f, int hops) {
   const double size = system.diameter();
   const auto free = [&](const Point& from, const Vec3& way, double end_margin) {
     const double length = way.norm();
@@ -27,7 +29,10 @@ bool in_sight(const OpticalSystem& system, const FieldPoint& f) {
     }
     return true;
   };
-  const Vec3 out = system.receiver().point(f.q) - f.x;
+  // Hit by hop, then to the receiver.
+  std::vector<Point> stations{f.x};
+  for (int j = 1; f.hits && j < hops; ++j) stations.push_back(f.hits[j].y);
+  stations.push_back(system.receiver().point(f.q));
   if (const auto* point = std::get_if<PointLight>(&system.light())) {
     if (!free(f.x, point->position - f.x, 1e-7)) return false;
   } else {
@@ -36,7 +41,11 @@ bool in_sight(const OpticalSystem& system, const FieldPoint& f) {
       return false;
     }
   }
-  return free(f.x, out, 1e-10);
+  for (std::size_t j = 1; j < stations.size(); ++j) {
+    const bool last = j + 1 == stations.size();
+    if (!free(stations[j - 1], stations[j] - stations[j - 1], last ? 1e-10 : 1e-7)) return false;
+  }
+  return true;
 }
 
 namespace {
@@ -50,6 +59,23 @@ int lit_side(const OpticalSystem& system, int surface, const Curve& c) {
     if (std::abs(cosine) > std::abs(largest)) largest = cosine;
   }
   return largest >= 0.0 ? 1 : -1;
+}
+
+// The sides by which a curve's family runs: those that lead from its reflector points to its image.
+Hops hops_of(const OpticalSystem& system, const std::vector<int>& family, const Curve& c) {
+  const int side = lit_side(system, family[0], c);
+  if (family.size() == 1) return {{family[0], side}};
+  const CurveVertex& v = c.vertices[c.vertices.size() / 2];
+  Hops best;
+  double least = geometry::kInfinity;
+  for (const Hops& hops : sides_of(system, family, side)) {
+    const double off = (ForwardMap(system, hops).arrival(v.x) - v.uv).norm();
+    if (off < least) {
+      least = off;
+      best = hops;
+    }
+  }
+  return best;
 }
 
 // Next to a place where all levels meet, and E is undetermined: a and σ vanish together, or the ray
@@ -84,26 +110,29 @@ void expect_end(const OpticalSystem& system, const ForwardMap& map, const FieldP
     }
     case Ending::aperture: {
       double nearest = geometry::kInfinity;
-      for (const auto& b : map.mirror().bounds) {
-        nearest = std::min(nearest, std::abs(b.value(f.x)));
+      for (int j = 0; j < map.hop_count(); ++j) {
+        for (const auto& b : map.surface(j).bounds) {
+          nearest = std::min(nearest, std::abs(b.value(j == 0 ? f.x : f.hits[j].y)));
+        }
       }
       EXPECT_LE(nearest, slack * size) << what;
       break;
     }
     case Ending::silhouette:
-      EXPECT_TRUE(caustic || meet) << what << ": isolux curves never end at a silhouette; a "
-                                   << f.a / f.scale_of_a();
+      EXPECT_TRUE(caustic || meet)
+          << what << ": isolux curves never end at a silhouette; a " << f.a / f.scale_of_a();
       EXPECT_NEAR(f.cos_alpha, 0.0, meet ? 1e-5 : 1e-9) << what;
       break;
     case Ending::total_internal_reflection:
       EXPECT_NEAR(f.hits[map.hop_count() - 1].headroom, 0.0, 1e-5) << what;
       break;
     case Ending::shadow:
-    case Ending::occlusion: break;  // in sight on one side only
+    case Ending::occlusion:
+      break;  // in sight on one side only
     case Ending::limit:
-      EXPECT_TRUE(meet) << what << ": stalled at x " << f.x.transpose() << " q "
-                        << f.q.transpose() << " a " << f.a / f.scale_of_a() << " cos "
-                        << f.cos_alpha << " facing " << f.facing << " lambda " << f.lambda;
+      EXPECT_TRUE(meet) << what << ": stalled at x " << f.x.transpose() << " q " << f.q.transpose()
+                        << " a " << f.a / f.scale_of_a() << " cos " << f.cos_alpha << " facing "
+                        << f.facing << " lambda " << f.lambda;
       break;
   }
 }
@@ -116,25 +145,30 @@ void expect_sound(const OpticalSystem& system, const ContourResult& result, doub
   for (std::size_t i = 0; i < result.curves.size(); ++i) {
     const Curve& c = result.curves[i];
     const bool caustic = c.kind == CurveKind::caustic;
-    const std::string name = what + ", curve " + std::to_string(i) + " level " + std::to_string(c.level);
+    const std::string name =
+        what + ", curve " + std::to_string(i) + " level " + std::to_string(c.level);
     ASSERT_GE(c.vertices.size(), 2u) << name;
     ASSERT_EQ(c.ends.size(), c.closed ? 0u : 2u) << name;
     ASSERT_GE(c.family_id, 0);
     const int surface = result.families[c.family_id].surfaces[0];
     const SystemSurface& mirror = system.surfaces()[surface];
-    const int side = lit_side(system, surface, c);
-    const ForwardMap map(system, surface, side);
+    const Hops hops = hops_of(system, result.families[c.family_id].surfaces, c);
+    ASSERT_FALSE(hops.empty()) << name;
+    const ForwardMap map(system, hops);
     double length = 0.0, worst = 0.0;
     int bad = 0;
     for (std::size_t k = 0; k < c.vertices.size() && bad < 3; ++k) {
       const CurveVertex& v = c.vertices[k];
       const FieldPoint f = map.evaluate(v.x);
       const bool failed = testing::Test::HasFailure();
-      const std::string at = name + " vertex " + std::to_string(k) + " of " + std::to_string(c.vertices.size());
+      const std::string at =
+          name + " vertex " + std::to_string(k) + " of " + std::to_string(c.vertices.size());
       ASSERT_TRUE(f.finite && v.uv.allFinite() && v.p.allFinite() && v.gradient.allFinite() &&
-                  std::isfinite(v.irradiance) && std::isfinite(v.residual)) << at;
+                  std::isfinite(v.irradiance) && std::isfinite(v.residual))
+          << at;
       const double slope = 1.0 + f.q_s.norm() + f.q_t.norm();
-      const double rounding = 64.0 * map.rounding(v.x) * slope;
+      // A path that rounding bends at each hop.
+      const double rounding = 64.0 * map.hop_count() * map.rounding(v.x) * slope;
       EXPECT_LE((v.uv - f.q).norm(), rounding) << at;
       EXPECT_LE((v.p - receiver.point(v.uv)).norm(), 1e-14 * system.diameter()) << at;
       const double edge = (v.uv.cwiseAbs() - receiver.half).maxCoeff();
@@ -156,7 +190,7 @@ void expect_sound(const OpticalSystem& system, const ContourResult& result, doub
         EXPECT_LE(std::abs(f.a) / f.scale_of_a(), tolerance + allowed) << at;
       } else {
         const Vec3 grad = f.grad_a - (f.a / f.flux) * f.grad_flux;
-        double allowed = 64.0 * map.rounding(v.x) * grad.norm() / std::abs(f.a);
+        double allowed = 64.0 * map.hop_count() * map.rounding(v.x) * grad.norm() / std::abs(f.a);
         // Cancellation in a, which steep maps (cones at their apex) make worse.
         allowed += 64.0 * geometry::kEpsilon * slope * f.scale_of_a() / std::abs(f.a);
         if (near_rim(mirror, v.x)) allowed += 1e-7;
@@ -167,7 +201,8 @@ void expect_sound(const OpticalSystem& system, const ContourResult& result, doub
       worst = std::max(worst, v.residual);
       if (k > 0) length += (v.p - c.vertices[k - 1].p).norm();
       EXPECT_NEAR(v.arc_length, length, 1e-12 * (system.diameter() + length)) << at;
-      EXPECT_TRUE(at_end || in_sight(system, f)) << at << ": hidden, x " << v.x.transpose();
+      EXPECT_TRUE(at_end || in_sight(system, f, map.hop_count()))
+          << at << ": hidden, x " << v.x.transpose();
       if (at_end) expect_end(system, map, f, c.ends[k == 0 ? 0 : 1], caustic, at);
       bad += testing::Test::HasFailure() && !failed;
     }
@@ -197,9 +232,9 @@ double largest_chord_error(const OpticalSystem& system, const Curve& c, int samp
         x = map.project(x - ((f.a - k * f.flux) / slope.squaredNorm()) * slope);
         f = map.evaluate(x);
       }
-      // A step turns by half a radian at most and bulges by a sixteenth. Newton's method may have gone
-      // to another branch, and where the map is steep beyond measure
-      // rounding of x moves q by more: not this test's matter.
+      // A step turns by half a radian at most and bulges by a sixteenth. Newton's method may have
+      // gone to another branch, and where the map is steep beyond measure rounding of x moves q by
+      // more: not this test's matter.
       const double noise = map.rounding(x) * (f.q_s.norm() + f.q_t.norm());
       if (!f.finite || (x - start).norm() > 0.08 * (b.x - a.x).norm() || noise > 1e-9) continue;
       const Vec2 off = f.q - a.uv;

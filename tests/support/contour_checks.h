@@ -9,9 +9,9 @@
 
 namespace caustic::test {
 
-/// True if no surface stands between the light and x or between x and its arrival: every crossing of
-/// both segments tried against every aperture.
-bool in_sight(const solver::OpticalSystem& system, const solver::FieldPoint& f);
+/// True if no surface stands between the light, the path's hits and its arrival: every crossing of
+/// each segment tried against every aperture.
+bool in_sight(const solver::OpticalSystem& system, const solver::FieldPoint& f, int hops = 1);
 
 /// Checks every vertex and end of a result: finite, inside the receiver and the aperture, lit, in
 /// sight, on the mirror, E within `tolerance` of the level; arc lengths, ends named after the boundary
