@@ -149,7 +149,7 @@ TEST(ContourJson, reads_families_of_many_hops) {
   json request = ball_request();
   test::surface(request)["optics"] = {
       {"type", "refract"}, {"index_outside", 1}, {"index_inside", 1.5}};
-  request["families"] = {{"ball", "ball"}};
+  request["families"] = json::array({json::array({"ball", "ball"})});
   EXPECT_EQ(read_contour_call(request.dump()).request.families,
             (std::vector<std::vector<int>>{{0, 0}}));
   request["families"] = {{"max_bounces", 3}, {"min_flux_share", 1e-3}};
@@ -157,7 +157,7 @@ TEST(ContourJson, reads_families_of_many_hops) {
   EXPECT_TRUE(call.request.families.empty());
   EXPECT_EQ(call.request.max_bounces, 3);
   EXPECT_EQ(call.request.min_flux_share, 1e-3);
-  request["families"] = {std::vector<std::string>(9, "ball")};
+  request["families"] = json::array({std::vector<std::string>(9, "ball")});
   EXPECT_EQ(pointers_of(request), Pointers{"/families/0"});
 }
 
@@ -165,7 +165,7 @@ TEST(ContourJson, light_does_not_return_to_a_plane) {
   json request = ball_request();
   test::surface(request)["shape"] = {
       {"type", "plane"}, {"point", {0, 0, 0}}, {"normal", {0, 0, 1}}};
-  request["families"] = {{"ball", "ball"}};
+  request["families"] = json::array({json::array({"ball", "ball"})});
   EXPECT_EQ(pointers_of(request), Pointers{"/families/0/1"});
 }
 
