@@ -118,7 +118,7 @@ class Explorer {
 bool Explorer::outside(const Point& middle, double radius) const {
   const auto& bounds = map_.mirror().bounds;
   return std::any_of(bounds.begin(), bounds.end(), [&](const auto& bound) {
-    return bound.lower_bound_within(bound.value(middle), radius) > 0.0;
+    return bound.lower_bound_within(middle, radius) > 0.0;
   });
 }
 
