@@ -179,7 +179,7 @@ TEST_P(EverySurface, EnclosuresShrinkWithTheBox) {
 double distance_to_chart(const Chart& chart, const Point& x) {
   using Start = std::pair<double, Vec2>;
   std::vector<Start> starts;
-  const int n = 60;
+  const int n = chart.cell.empty() ? 60 : 12;  // a chart with a cell is one of many, and small
   for (int i = 0; i <= n; ++i) {
     for (int j = 0; j <= n; ++j) {
       const Vec2 w(static_cast<double>(i) / n, static_cast<double>(j) / n);
@@ -188,6 +188,11 @@ double distance_to_chart(const Chart& chart, const Point& x) {
   }
   std::partial_sort(starts.begin(), starts.begin() + 12, starts.end(),
                     [](const Start& a, const Start& b) { return a.first < b.first; });
+  // A small chart is not worth a search if it is farther away than its distances vary.
+  const auto by_distance = [](const Start& a, const Start& b) { return a.first < b.first; };
+  const double nearest = starts.front().first;
+  const double farthest = std::max_element(starts.begin(), starts.end(), by_distance)->first;
+  if (!chart.cell.empty() && nearest > farthest - nearest) return nearest;
   double best = kInfinity;
   for (int k = 0; k < 12; ++k) {
     auto [distance, w] = starts[k];
