@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/expression/expression_bound.h"
+
 namespace caustic::geometry {
 
 namespace {
@@ -16,28 +18,32 @@ Vec3 radial(const Bound& b, const Point& x) {
 }  // namespace
 
 double Bound::value(const Point& x) const {
+  if (kind == Kind::expression) return expression->value(x);
   if (kind == Kind::half_space) return axis.dot(x - point);
   return 0.5 * (radial(*this, x).squaredNorm() / radius - radius);
 }
 
 Vec3 Bound::gradient(const Point& x) const {
+  if (kind == Kind::expression) return expression->gradient(x);
   if (kind == Kind::half_space) return axis;
   return radial(*this, x) / radius;
 }
 
 double Bound::distance(const Point& x) const {
+  if (kind == Kind::expression) return expression->value(x);
   if (kind == Kind::half_space) return axis.dot(x - point);
   return radial(*this, x).norm() - radius;
 }
 
-double Bound::lower_bound_within(double value, double r) const {
-  if (kind == Kind::half_space) return value - r;
-  const double distance = std::sqrt(std::max(0.0, radius * (2.0 * value + radius)));
-  const double nearest = std::max(0.0, distance - r);
+double Bound::lower_bound_within(const Point& x, double r) const {
+  if (kind == Kind::expression) return expression->range(Box::around(x, r)).lo;
+  if (kind == Kind::half_space) return value(x) - r;
+  const double nearest = std::max(0.0, radial(*this, x).norm() - r);
   return 0.5 * (nearest * nearest / radius - radius);
 }
 
 double Bound::largest_in(const Box& box) const {
+  if (kind == Kind::expression) return expression->range(box).hi;
   double largest = -kInfinity;
   for (int corner = 0; corner < 8; ++corner) {
     const auto side = [&](int i) { return corner >> i & 1 ? box.max[i] : box.min[i]; };
@@ -63,6 +69,11 @@ Bound half_space_aperture(const Point& point, const Direction& normal) {
   return {Bound::Kind::half_space, point, normal, 0.0, Bound::Origin::aperture};
 }
 
+Bound expression_aperture(std::shared_ptr<const ExpressionBound> expression) {
+  return {Bound::Kind::expression, Point::Zero(),        Vec3::Zero(), 0.0,
+          Bound::Origin::aperture, std::move(expression)};
+}
+
 Bound ball(const Point& center, double radius, Bound::Origin origin) {
   return {Bound::Kind::ball, center, Vec3::Zero(), radius, origin};
 }
@@ -85,7 +96,7 @@ Box box_of(const std::vector<Bound>& bounds) {
           box.max[i] = std::min(box.max[i], b.point[i] + b.radius);
         }
       }
-    } else {
+    } else if (b.kind == Bound::Kind::half_space) {
       for (int i = 0; i < 3; ++i) {
         if (b.axis[i] == 1.0) box.max[i] = std::min(box.max[i], b.point[i]);
         if (b.axis[i] == -1.0) box.min[i] = std::max(box.min[i], b.point[i]);

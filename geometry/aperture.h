@@ -2,6 +2,7 @@
 // end of a curve at it can be located by Newton's method; a box is six of them.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -9,12 +10,15 @@
 
 namespace caustic::geometry {
 
+class ExpressionBound;
+
 /// One smooth function, at most 1-Lipschitz near its zero set, positive where nothing exists.
 ///   half-space   n·(x − p)
 ///   cylinder     (|y|² − r²)/(2r),  y = the part of x − p across the axis
 ///   ball         (|x − p|² − r²)/(2r)
+///   expression   (S19), infinite where it is undefined
 struct Bound {
-  enum class Kind { half_space, cylinder, ball };
+  enum class Kind { half_space, cylinder, ball, expression };
   /// Where the bound comes from: the user's aperture, the end of the shape's own definition, or the
   /// clip ball of an unbounded surface.
   enum class Origin { aperture, shape, clip };
@@ -24,21 +28,24 @@ struct Bound {
   Direction axis;  ///< normal of the half-space, axis of the cylinder
   double radius = 0.0;
   Origin origin = Origin::aperture;
+  std::shared_ptr<const ExpressionBound> expression = nullptr;
 
   double value(const Point& x) const;
   Vec3 gradient(const Point& x) const;
-  /// Signed distance from the zero set, m.
+  /// Signed distance from the zero set, m; of an expression its value, which is no more.
   double distance(const Point& x) const;
-  /// Smallest value that the function can have within `r` of a point where it is `value`.
-  double lower_bound_within(double value, double r) const;
-  /// Largest value in a bounded box: at one of its corners, since every kind is convex.
+  /// Largest value in a bounded box: at one of its corners, since every kind is convex;
+  /// of an expression a bound of it.
   double largest_in(const Box& box) const;
+  /// Smallest value that the function can have within `r` of x; of an expression a bound of it.
+  double lower_bound_within(const Point& x, double r) const;
 };
 
 /// Bounds of a user's aperture. Lengths in metres, world coordinates.
 std::vector<Bound> box_aperture(const Point& min, const Point& max);
 Bound cylinder_aperture(const Point& point, const Direction& axis, double radius);
 Bound half_space_aperture(const Point& point, const Direction& normal);
+Bound expression_aperture(std::shared_ptr<const ExpressionBound> expression);
 Bound ball(const Point& center, double radius, Bound::Origin origin);
 
 /// True if every bound admits x, with `slack` metres to spare on the generous side.

@@ -98,4 +98,14 @@ struct RevolutionResult {
 RevolutionResult make_revolution(const Point& origin, const Direction& axis, double height,
                                  const std::vector<double>& profile);
 
+/// The zero set of an expression inside a box; both are in a frame that `pose` takes to the world, in
+/// metres. `surface` is null, and `fault` says why, if there is none.
+struct Expression;
+struct ExpressionResult {
+  SurfacePtr surface;
+  std::string fault;
+  bool of_expression;  ///< the fault is the expression's, not its bounds'
+};
+ExpressionResult make_expression(const Expression& expression, const Box& bounds, const Pose& pose);
+
 }  // namespace caustic::geometry

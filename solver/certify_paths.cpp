@@ -162,7 +162,7 @@ bool Search::impossible(const PathBox& box) {
     }
     const double radius = half.norm() * (1.0 + 1e-12);
     for (const auto& bound : *surfaces_[i].bounds) {
-      if (bound.lower_bound_within(bound.value(middle), radius) > 1e-12 * scale_) return true;
+      if (bound.lower_bound_within(middle, radius) > 1e-12 * scale_) return true;
     }
   }
   for (int k = 0; k <= n_; ++k) {

@@ -126,10 +126,10 @@ class Explorer {
   std::pmr::map<std::array<int, 3>, Corner> crossings_{&memory_};  // by both samples and boundary
 };
 
-// Outside the aperture or the chart's cell for sure? The bounds are 1-Lipschitz.
+// Outside the aperture or the chart's cell for sure?
 bool Explorer::outside(int chart, const Point& middle, double radius) const {
   const auto excludes = [&](const auto& bound) {
-    return bound.lower_bound_within(bound.value(middle), radius) > 0.0;
+    return bound.lower_bound_within(middle, radius) > 0.0;
   };
   const auto &bounds = map_.mirror().bounds, &cell = result_.charts[chart].cell;
   return std::any_of(bounds.begin(), bounds.end(), excludes) ||

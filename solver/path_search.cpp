@@ -130,7 +130,7 @@ void PathSearch::make(Cell& cell) {
   const auto outside = [&](const std::vector<geometry::Bound>& bounds) {
     return std::any_of(bounds.begin(), bounds.end(), [&](const auto& bound) {
       const Point& middle = samples_[index[4]].x;
-      return bound.lower_bound_within(bound.value(middle), kRadiusFactor * radius) > 0.0;
+      return bound.lower_bound_within(middle, kRadiusFactor * radius) > 0.0;
     });
   };
   if (outside(*tracer_.first().bounds) || outside(charts_[cell.chart].cell)) return;

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "geometry/expression/expression_bound.h"
 #include "service/api/sag_json.h"
 
 namespace caustic::service {
@@ -113,28 +114,63 @@ SurfacePtr read_height_field(const ShapeContext& in) {
   return read_sag(in.shape, in.metres, in.pose);
 }
 
+/// The expression at `key`; its root is −1, with its fault noted, if there is none.
+geometry::Expression read_expression(ObjectReader& object, const char* key, double metres) {
+  geometry::Expression expression;
+  const auto place = object.member(key);
+  if (!place) return expression;
+  const std::size_t faults_before = object.faults().count();
+  const std::string text = read_string(*place, object.faults());
+  if (object.faults().count() != faults_before) return expression;
+  expression = geometry::read_expression(text, metres);
+  if (!expression.fault.empty())
+    object.faults().add(place->pointer, expression.fault);
+  else if (expression.undefined())
+    object.faults().add(place->pointer, "is undefined everywhere");
+  else if (expression.constant())
+    object.faults().add(place->pointer, "does not depend on x, y or z");
+  else
+    return expression;
+  expression.root = -1;
+  return expression;
+}
+
+geometry::Box read_bounds(ObjectReader& box, double metres) {
+  const std::size_t faults_before = box.faults().count();
+  const Vec3 min = metres * box.vector("min"), max = metres * box.vector("max");
+  if (box.faults().count() != faults_before) return {min, max};
+  for (int i = 0; i < 3; ++i)
+    if (min[i] >= max[i])
+      box.faults().add(box.pointer_to("max") + '/' + std::to_string(i), "must be greater than min");
+  return {min, max};
+}
+
+SurfacePtr read_expression_shape(const ShapeContext& in) {
+  const geometry::Expression expression = read_expression(in.shape, "expression", in.metres);
+  const auto place = in.shape.member("bounds");
+  if (!place) return nullptr;
+  ObjectReader reader(*place, in.shape.faults());
+  const geometry::Box bounds = read_bounds(reader, in.metres);
+  if (!in.sound()) return nullptr;
+  auto made = geometry::make_expression(expression, bounds, in.pose);
+  if (!made.surface)
+    in.shape.faults().add(in.shape.pointer_to(made.of_expression ? "expression" : "bounds"),
+                          made.fault);
+  return made.surface;
+}
+
 using ShapeReader = SurfacePtr (*)(const ShapeContext&);
 
 constexpr std::pair<const char*, ShapeReader> kShapes[] = {
     {"plane", read_plane},     {"sphere", read_sphere},     {"ellipsoid", read_ellipsoid},
     {"quadric", read_quadric}, {"cylinder", read_cylinder}, {"cone", read_cone},
     {"torus", read_torus},     {"conic", read_conic},       {"revolution", read_revolution},
-    {"sag", read_height_field},          {"expression", nullptr}};
+    {"sag", read_height_field}, {"expression", read_expression_shape}};
 
 std::vector<std::string> shape_names() {
   std::vector<std::string> names;
   for (const auto& [name, reader] : kShapes) names.push_back(name);
   return names;
-}
-
-void read_box(ObjectReader& box, double metres, std::vector<geometry::Bound>& bounds) {
-  const std::size_t faults_before = box.faults().count();
-  const Vec3 min = metres * box.vector("min"), max = metres * box.vector("max");
-  if (box.faults().count() != faults_before) return;
-  for (int i = 0; i < 3; ++i)
-    if (min[i] >= max[i])
-      box.faults().add(box.pointer_to("max") + '/' + std::to_string(i), "must be greater than min");
-  for (geometry::Bound& bound : geometry::box_aperture(min, max)) bounds.push_back(bound);
 }
 
 }  // namespace
@@ -157,7 +193,8 @@ void read_aperture(const JsonPlace& place, double metres, std::vector<geometry::
   ObjectReader aperture(place, faults);
   const std::string type = aperture.word("type", {"box", "cylinder", "half_space", "expression"});
   if (type == "box") {
-    read_box(aperture, metres, bounds);
+    const geometry::Box box = read_bounds(aperture, metres);
+    for (geometry::Bound& bound : geometry::box_aperture(box.min, box.max)) bounds.push_back(bound);
   } else if (type == "cylinder") {
     const Vec3 point = metres * aperture.vector("point"), axis = aperture.direction("axis");
     const double radius = metres * aperture.number("radius", kPositive);
@@ -165,9 +202,13 @@ void read_aperture(const JsonPlace& place, double metres, std::vector<geometry::
   } else if (type == "half_space") {
     const Vec3 point = metres * aperture.vector("point"), normal = aperture.direction("normal");
     bounds.push_back(geometry::half_space_aperture(point, normal));
+  } else if (type == "expression") {
+    const geometry::Expression expression = read_expression(aperture, "expression", metres);
+    if (expression.root < 0) return;
+    bounds.push_back(geometry::expression_aperture(
+        std::make_shared<const geometry::ExpressionBound>(expression, metres)));
   } else {
     aperture.ignore_the_rest();
-    if (!type.empty()) faults.not_supported(aperture.pointer_to("type"), type);
   }
 }
 

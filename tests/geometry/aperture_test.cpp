@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "geometry/expression/expression_bound.h"
 #include "tests/support/random.h"
 
 namespace caustic::geometry {
@@ -22,6 +23,7 @@ double outside_by(const Bound& b, const Point& x) {
     case Bound::Kind::half_space: return y.dot(b.axis);
     case Bound::Kind::cylinder: return y.cross(b.axis).norm() - b.radius;
     case Bound::Kind::ball: return y.norm() - b.radius;
+    case Bound::Kind::expression: break;
   }
   return 0.0;
 }
@@ -75,7 +77,7 @@ TEST(Bound, LowerBoundIsOne) {
     for (const Bound& b : bounds_of_each_kind(random)) {
       const Point x = random.in_cube(3.0);
       const double r = random.log_uniform(1e-3, 3.0);
-      const double bound = b.lower_bound_within(b.value(x), r);
+      const double bound = b.lower_bound_within(x, r);
       double least = kInfinity;
       for (int k = 0; k < 100; ++k) {
         const Point y = x + r * (k < 50 ? 1.0 : random.uniform()) * random.direction();
@@ -87,6 +89,73 @@ TEST(Bound, LowerBoundIsOne) {
       least = std::min(least, b.value(x - inwards * b.gradient(x).normalized()));
       EXPECT_LE(bound, least + 1e-12);
       EXPECT_NEAR(bound, least, 1e-12);
+    }
+  }
+}
+
+// ---- Expressions ---------------------------------------------------------------------------------
+
+Bound bound_of(const char* text, double metres = 1.0) {
+  return expression_aperture(
+      std::make_shared<const ExpressionBound>(read_expression(text, metres), metres));
+}
+
+constexpr const char* kApertures[] = {"x^2+y^2-1", "4*(x^2+y^2+z^2)^2-1", "abs(x)+abs(y)-0.7",
+                                      "y-x^2", "1000*(x-0.3)", "sin(3*x)*cos(2*y)-0.1*z"};
+
+TEST(ExpressionBound, GradientAndSlope) {
+  Random random(5);
+  for (const char* text : kApertures) {
+    const Bound b = bound_of(text);
+    for (int i = 0; i < 200; ++i) {
+      const Point x = random.in_cube(1.5);
+      const double h = 1e-4;
+      for (int k = 0; k < 3; ++k) {
+        const Vec3 e = h * Vec3::Unit(k);
+        if (x.cwiseAbs().minCoeff() < h) continue;  // abs() has a kink there
+        EXPECT_NEAR((b.value(x + e) - b.value(x - e)) / (2.0 * h), b.gradient(x)[k], 1e-5) << text;
+      }
+      // To the zero set by bisection along the gradient: there the slope is one at most.
+      const Vec3 n = b.gradient(x).normalized();
+      double lo = -0.5, hi = 0.5;
+      if ((b.value(x + lo * n) > 0.0) == (b.value(x + hi * n) > 0.0)) continue;
+      const bool rising = b.value(x + hi * n) > 0.0;
+      for (int step = 0; step < 50; ++step) {
+        const double middle = 0.5 * (lo + hi);
+        ((b.value(x + middle * n) > 0.0) == rising ? hi : lo) = middle;
+      }
+      const double slope = b.gradient(x + lo * n).norm();
+      EXPECT_LE(slope, 1.0 + 1e-9) << text;
+      EXPECT_GT(slope, 0.05) << text;
+    }
+  }
+}
+
+TEST(ExpressionBound, KeepsWhereItIsNotPositive) {
+  Random random(6);
+  const Bound disc = bound_of("x^2+y^2-9", 0.001), half = bound_of("sqrt(x)-1");
+  for (int i = 0; i < 300; ++i) {
+    const Point x = random.in_cube(0.005);
+    EXPECT_EQ(disc.value(x) <= 0.0, std::hypot(x.x(), x.y()) <= 0.003);
+    const Point y = random.in_cube(2.0);
+    EXPECT_EQ(exists_at({half}, y), y.x() >= 0.0 && y.x() <= 1.0);
+  }
+  EXPECT_EQ(half.value({-1, 0, 0}), kInfinity);
+  EXPECT_TRUE(half.gradient({-1, 0, 0}).allFinite());
+  EXPECT_FALSE(box_of({disc}).bounded());
+}
+
+TEST(ExpressionBound, LowerBoundIsOne) {
+  Random random(7);
+  for (const char* text : kApertures) {
+    const Bound b = bound_of(text);
+    for (int i = 0; i < 100; ++i) {
+      const Point x = random.in_cube(1.5);
+      const double r = random.log_uniform(1e-4, 0.5), bound = b.lower_bound_within(x, r);
+      for (int k = 0; k < 20; ++k) {
+        EXPECT_LE(bound, b.value(x + r * random.uniform() * random.direction()) + 1e-12) << text;
+      }
+      EXPECT_GT(b.lower_bound_within(x, 1e-9), b.value(x) - 1e-7) << text;
     }
   }
 }

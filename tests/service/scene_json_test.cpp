@@ -131,6 +131,24 @@ TEST(SceneJson, refuses_shapes_that_are_none) {
       {R"({"type":"revolution","origin":[0,0,0],"axis":[0,0,1],"height":1,"profile":[1,"x"]})",
        "profile/1"},
       {R"({"type":"revolution","origin":[0,0,0],"axis":[0,0,1],"height":1})", "profile"},
+      {R"~({"type":"expression","expression":"x^^2","bounds":{"min":[-1,-1,-1],"max":[1,1,1]}})~",
+       "expression"},
+      {R"~({"type":"expression","expression":"tan(x)","bounds":{"min":[-1,-1,-1],"max":[1,1,1]}})~",
+       "expression"},
+      {R"~({"type":"expression","expression":"1/(x-x)","bounds":{"min":[-1,-1,-1],"max":[1,1,1]}})~",
+       "expression"},
+      {R"~({"type":"expression","expression":"sqrt(-1-x^2)","bounds":{"min":[-1,-1,-1],"max":[1,1,1]}})~",
+       "expression"},
+      {R"~({"type":"expression","expression":"7","bounds":{"min":[-1,-1,-1],"max":[1,1,1]}})~",
+       "expression"},
+      {R"~({"type":"expression","expression":"(x^2+y^2+z^2-1)^2","bounds":{"min":[-2,-2,-2],"max":[2,2,2]}})~",
+       "expression"},
+      {R"~({"type":"expression","expression":"x^2+y^2+z^2-9","bounds":{"min":[-1,-1,-1],"max":[1,1,1]}})~",
+       "bounds"},
+      {R"~({"type":"expression","expression":"x","bounds":{"min":[-1,-1,-1],"max":[1,-1,1]}})~",
+       "bounds/max/1"},
+      {R"~({"type":"expression","expression":"x"})~", "bounds"},
+      {R"~({"type":"expression","bounds":{"min":[-1,-1,-1],"max":[1,1,1]}})~", "expression"},
       {R"({"type":"cube"})", "type"},
       {R"({"type":7})", "type"},
   };
@@ -143,8 +161,6 @@ TEST(SceneJson, refuses_shapes_that_are_none) {
 TEST(SceneJson, says_what_this_version_lacks) {
   const std::pair<const char*, const char*> cases[] = {
       {"/scene/light", R"({"type":"photometric_file","content":"x"})"},
-      {"/scene/surfaces/0/shape", R"({"type":"expression","expression":"x"})"},
-      {"/scene/surfaces/0/aperture", R"([{"type":"expression","expression":"x"}])"},
       {"/measure", R"("total")"},
       {"/direct", "true"},
       {"/certify", "true"},
@@ -207,6 +223,7 @@ TEST(SceneJson, reads_every_shape) {
        R"({"type":"ellipsoid","center":[0,0,0],"semi_axes":[1,2,3]})",
        R"({"type":"quadric","coefficients":[1,1,1,0,0,0,0,0,0,-1]})",
        R"({"type":"cylinder","point":[0,0,0],"axis":[0,0,1],"radius":1})",
+       R"~({"type":"expression","expression":"x^2+y^2+z^2-1","bounds":{"min":[-2,-2,-2],"max":[2,2,2]}})~",
        R"({"type":"cone","point":[0,0,0],"axis":[0,0,1],"half_angle_degrees":30})",
        R"({"type":"torus","center":[0,0,0],"axis":[0,0,1],"major_radius":2,"minor_radius":1})",
        R"({"type":"conic","vertex":[0,0,0],"axis":[0,0,1],"radius_of_curvature":-2,"conic_constant":-1,"aspheric":[0.01]})",
@@ -231,6 +248,8 @@ TEST(SceneJson, converts_lengths_once) {
       {R"({"type":"quadric","coefficients":[1,1,1,0,0,0,-1,0,0,-3]})", {3, 0, 0}},
       {R"({"type":"quadric","coefficients":[1,1,0,0,0,0,0,0,-1,0]})", {1, 1, 1}},
       {R"({"type":"cylinder","point":[0,0,0],"axis":[0,0,1],"radius":2})", {0, 2, 5}},
+      {R"~({"type":"expression","expression":"z-x^3/4-y","bounds":{"min":[-3,-3,-3],"max":[3,3,4]}})~",
+       {2, 1, 3}},
       {R"({"type":"torus","center":[0,0,0],"axis":[0,0,1],"major_radius":2,"minor_radius":1})",
        {0, 3, 0}},
       {R"({"type":"conic","vertex":[0,0,0],"axis":[0,0,1],"radius_of_curvature":2,"conic_constant":-1,"aspheric":[0.125,0.25]})",
@@ -254,6 +273,28 @@ TEST(SceneJson, converts_lengths_once) {
           << unit << " " << c.shape;
     }
   }
+}
+
+TEST(SceneJson, reads_apertures_by_expression) {
+  json request = ball_request();
+  request["scene"]["length_unit"] = "cm";
+  surface(request)["aperture"] = json::parse(R"~([{"type":"expression","expression":"x^2+y^2-0.25"}])~");
+  const ContourCall call = read_contour_call(request.dump());
+  const auto& bounds = call.system.surfaces()[0].bounds;
+  for (const double r : {0.49, 0.51})
+    EXPECT_EQ(geometry::exists_at(bounds, {0.01 * r, 0.0, 0.01}), r < 0.5);
+  for (const char* wrong : {"x+", "", "5", "0/0"}) {
+    surface(request)["aperture"][0]["expression"] = wrong;
+    EXPECT_EQ(pointers_of(request), Pointers{"/scene/surfaces/0/aperture/0/expression"}) << wrong;
+  }
+}
+
+TEST(SceneJson, says_where_an_expression_is_wrong) {
+  json request = with_shape(
+      R"~({"type":"expression","expression":"x^2 + tan(y)","bounds":{"min":[-1,-1,-1],"max":[1,1,1]}})~");
+  EXPECT_NE(faults_of(request)["/scene/surfaces/0/shape/expression"].find(
+                "unknown function \"tan\" (sqrt, sin, cos, exp, log, abs) at column 7"),
+            std::string::npos);
 }
 
 TEST(SceneJson, converts_the_rest_too) {

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "tests/support/reference_real.h"
+#include "tests/support/expression_oracle.h"
 
 namespace caustic::test {
 
@@ -238,6 +239,16 @@ Implicit<T> implicit_local(const ShapeSpec& s, const V<T>& x) {
                 2 * (G * X + H * Y + I * Z) + J,
             {2 * (A * X + D * Y + E * Z + G), 2 * (D * X + B * Y + F * Z + H),
              2 * (E * X + F * Y + C * Z + I)}};
+  }
+  if (s.kind == Kind::expression) {
+    // The difference's own error is smooth and small; its noise, ε/step, is what further differences
+    // of it see.
+    using std::cbrt, std::sqrt;
+    const T step = cbrt(T(sqrt(std::numeric_limits<T>::epsilon())));
+    const ExpressionOracle<T> f(s.expression);
+    const V<T> y = T(1 / T(s.unit)) * x;
+    const V<T> gradient{f.partial(y, 0, step), f.partial(y, 1, step), f.partial(y, 2, step)};
+    return {f(y), T(1 / T(s.unit)) * gradient};
   }
   const V<T> y = x - from<T>(s.point);
   if (s.kind == Kind::sphere) return {norm(y) - T(s.radius), unit(y)};

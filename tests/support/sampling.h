@@ -24,6 +24,7 @@ inline std::vector<geometry::Point> sample_surface(const geometry::Surface& surf
     const auto& chart = charts[random.index(static_cast<int>(charts.size()))];
     const double s = random.uniform(), t = random.uniform();
     const geometry::Point x = chart.point(s, t);
+    if (!geometry::exists_at(chart.cell, x)) continue;
     if (extent.region.contains(x) && geometry::exists_at(bounds, x)) points.push_back(x);
   }
   return points;

@@ -1,9 +1,11 @@
 #include "tests/support/shape_zoo.h"
 
 #include <cmath>
+#include <cstdio>
 #include <ostream>
 #include <stdexcept>
 
+#include "geometry/expression/field.h"
 #include "tests/support/random.h"
 
 namespace caustic::test {
@@ -37,6 +39,13 @@ geometry::SurfacePtr build(const ShapeSpec& s) {
       return geometry::make_sag(point, s.pose.rotation * s.rotation,
                                 geometry::zernike(s.zernike, s.radius));
     case Kind::heights: return geometry::make_sag(point, s.pose.rotation * s.rotation, s.grid);
+    case Kind::expression: {
+      const auto made = geometry::make_expression(geometry::read_expression(s.expression, s.unit),
+                                                  geometry::Box::around(Point::Zero(), s.radius),
+                                                  s.pose);
+      if (!made.surface) throw std::runtime_error(s.name + ": " + made.fault);
+      return made.surface;
+    }
     case Kind::quadric: break;
   }
   const auto result = geometry::make_quadric(s.coefficients, s.pose);
@@ -145,10 +154,35 @@ std::vector<ShapeSpec> make_zoo() {
   return zoo;
 }
 
+std::vector<ShapeSpec> make_expression_zoo() {
+  Random random(20261);
+  std::vector<ShapeSpec> zoo;
+  const std::pair<const char*, const char*> expressions[] = {
+      {"cuboid", "x^4+y^4+z^4-x^2-y^2-z^2"},
+      {"torus", "(x^2+y^2+z^2+0.75)^2-4*(x^2+y^2)"},
+      {"torus_by_roots", "(sqrt(x^2+y^2)-1)^2+z^2-0.16"},
+      {"water", "z-0.1*sin(2*pi*x)"},
+      {"sphere", "x^2+y^2+z^2-1"},
+      {"bell", "z-exp(-x^2-2*y^2)+0.3"},
+  };
+  for (const auto& [name, text] : expressions) {
+    zoo.push_back({.name = std::string("expression_") + name, .kind = Kind::expression,
+                   .radius = 1.6, .expression = text});
+    zoo.back().pose = geometry::Pose::make(random.direction(), random.uniform(0.3, 3.0),
+                                           random.in_cube(0.7));
+  }
+  return zoo;
+}
+
 }  // namespace
 
 const std::vector<ShapeSpec>& shape_zoo() {
   static const std::vector<ShapeSpec> zoo = make_zoo();
+  return zoo;
+}
+
+const std::vector<ShapeSpec>& expression_zoo() {
+  static const std::vector<ShapeSpec> zoo = make_expression_zoo();
   return zoo;
 }
 
@@ -160,6 +194,7 @@ ShapeSpec scaled(const ShapeSpec& spec, double f) {
   s.pose.translation *= f;
   if (s.kind != Kind::cone) s.radius *= f;
   if (s.kind == Kind::torus) s.second *= f;
+  s.unit *= f;
   for (std::size_t i = 0; i < s.aspheric.size(); ++i) {
     s.aspheric[i] *= std::pow(f, -3.0 - 2.0 * static_cast<double>(i));
   }

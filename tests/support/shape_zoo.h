@@ -13,7 +13,10 @@
 namespace caustic::test {
 
 struct ShapeSpec {
-  enum class Kind { plane, sphere, ellipsoid, quadric, cylinder, cone, torus, conic, revolution, sag, zernike, heights };
+  enum class Kind {
+    plane, sphere, ellipsoid, quadric, cylinder, cone, torus, conic, revolution, sag, zernike, heights,
+    expression
+  };
 
   std::string name;
   Kind kind = Kind::plane;
@@ -33,6 +36,8 @@ struct ShapeSpec {
   std::vector<Term> terms{};              ///< sag: c x^i y^j
   std::vector<std::pair<int, double>> zernike{};  ///< over the disc of `radius`
   geometry::HeightGrid grid{};            ///< heights
+  std::string expression{};               ///< in a cube of half size `radius`, lengths in `unit`
+  double unit = 1.0;                      ///< m
   geometry::Pose pose{};                  ///< x_world = R x + t, applied to all of the above
 };
 
@@ -43,6 +48,9 @@ geometry::SurfacePtr build(const ShapeSpec& spec);
 
 /// All shapes, of size one, rotated and shifted by a pose of order one.
 const std::vector<ShapeSpec>& shape_zoo();
+
+/// Surfaces given by expressions, in the same way.
+const std::vector<ShapeSpec>& expression_zoo();
 
 /// The same shape, lengths multiplied by `factor`.
 ShapeSpec scaled(const ShapeSpec& spec, double factor);

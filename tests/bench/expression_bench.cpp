@@ -1,0 +1,85 @@
+// What a compiled expression costs against the surface written by hand, with all derivatives that
+// tracing asks for at a point: g, ∇g, Hessian, and the third derivative along three pairs. Both are
+// timed in turns; "ratio" is that of the minima. Jets at run time are the alternative that was not
+// taken.
+#include <benchmark/benchmark.h>
+
+#include "geometry/expression/field.h"
+#include "geometry/surface.h"
+#include "tests/bench/samples.h"
+#include "tests/support/random.h"
+
+namespace caustic::bench {
+namespace {
+
+using namespace geometry;
+
+constexpr int kPoints = 256;
+
+SurfacePtr expression(const char* text) {
+  return make_expression(read_expression(text, 1.0), Box::around(Point::Zero(), 1.6), {}).surface;
+}
+
+// As solver/forward_map does.
+double everything(const Surface& surface, const Point& x, const Vec3& u, const Vec3& v) {
+  const auto d = surface.derivatives(x);
+  const Vec3 third = surface.third_derivative(x, u, u) + surface.third_derivative(x, u, v) +
+                     surface.third_derivative(x, v, v);
+  return d.g + d.gradient.sum() + d.hessian.sum() + third.sum();
+}
+
+void against_hand(benchmark::State& state, const SurfacePtr& by_hand, const SurfacePtr& compiled) {
+  test::Random random(1);
+  std::vector<Point> points;
+  for (int i = 0; i < kPoints; ++i) points.push_back(random.in_cube(1.2));
+  const Direction u = random.direction(), v = random.direction();
+  Samples hand, program;
+  const auto time = [&](Samples& samples, const Surface& surface) {
+    samples.time([&] {
+      for (const Point& x : points) benchmark::DoNotOptimize(everything(surface, x, u, v));
+    });
+  };
+  for (auto _ : state) {
+    time(hand, *by_hand);
+    time(program, *compiled);
+  }
+  state.counters["hand_ns"] = 1e9 * hand.min() / kPoints;
+  state.counters["expression_ns"] = 1e9 * program.min() / kPoints;
+  state.counters["ratio"] = program.min() / hand.min();
+}
+
+BENCHMARK_CAPTURE(against_hand, sphere, make_sphere(Point::Zero(), 1.0),
+                  expression("x^2+y^2+z^2-1"));
+BENCHMARK_CAPTURE(against_hand, torus, make_torus(Point::Zero(), {0, 0, 1}, 1.0, 0.5),
+                  expression("(x^2+y^2+z^2+0.75)^2-4*(x^2+y^2)"));
+BENCHMARK_CAPTURE(against_hand, asphere,
+                  make_conic(Point::Zero(), {0, 0, 1}, 2.0, -1.0, {0.01, -0.002}),
+                  expression("z-(x^2+y^2)/4-0.01*(x^2+y^2)^2+0.002*(x^2+y^2)^3"));
+
+void crossings(benchmark::State& state, const SurfacePtr& surface) {
+  test::Random random(2);
+  std::vector<Ray> rays;
+  for (int i = 0; i < kPoints; ++i) {
+    const Point from = 3.0 * random.direction();
+    rays.push_back({from, random.in_cube(1.0) - from});
+  }
+  RayParameters found;
+  for (auto _ : state) {
+    for (const Ray& ray : rays) {
+      found.clear();
+      surface->crossings(ray, 0.0, 2.0, found);
+      benchmark::DoNotOptimize(found.data());
+    }
+  }
+  state.counters["ray_us"] = benchmark::Counter(
+      1e-6 * kPoints, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+
+BENCHMARK_CAPTURE(crossings, torus_by_hand, make_torus(Point::Zero(), {0, 0, 1}, 1.0, 0.5));
+BENCHMARK_CAPTURE(crossings, torus, expression("(x^2+y^2+z^2+0.75)^2-4*(x^2+y^2)"));
+BENCHMARK_CAPTURE(crossings, torus_by_roots, expression("(sqrt(x^2+y^2)-1)^2+z^2-0.25"));
+BENCHMARK_CAPTURE(crossings, cuboid, expression("x^4+y^4+z^4-x^2-y^2-z^2"));
+BENCHMARK_CAPTURE(crossings, water, expression("z-0.1*sin(2*pi*x)"));
+
+}  // namespace
+}  // namespace caustic::bench
