@@ -119,6 +119,35 @@ TEST(CertifyPaths, AgreesWithTheSearchOverTwoMirrors) {
   EXPECT_GT(paths, pairs() / 10);
 }
 
+// From air through water to a mirror ball, the other end in the water.
+TEST(CertifyPaths, AgreesWithTheSearchUnderWater) {
+  SystemSurface water = test::mirror(geometry::make_plane({0, 0, 0}, {0, 0, 1}),
+                                     geometry::box_aperture({-4, -4, -1}, {4, 4, 1}));
+  water.optics.kind = Optics::Kind::refract;
+  water.optics.index_inside = 1.33;
+  const auto system = OpticalSystem::build(
+      PointLight{{0, 0, 2}, 1.0}, {water, test::mirror(geometry::make_sphere({0, 0, -3}, 1.0))},
+      test::floor_at({0, 0, -5}, 4.0, 4.0));
+  Random random(7208);
+  int paths = 0;
+  for (int k = 0; k < pairs() / 5; ++k) {
+    PathsRequest request;
+    request.from = Vec3(0, 0, 2) + random.in_cube(1.0);
+    request.to = Vec3(2.5, 0, -1.5) + random.in_cube(0.8);
+    request.families = {{0, 1}};
+    const auto fast = paths_between(system, request);
+    request.certify = true;
+    const auto certified = paths_between(system, request);
+    EXPECT_TRUE(certified.certified);
+    ASSERT_EQ(fast.paths.size(), certified.paths.size());
+    for (std::size_t i = 0; i < fast.paths.size(); ++i) {
+      EXPECT_LT((fast.paths[i].way.path.x[1] - certified.paths[i].way.path.x[1]).norm(), 1e-9);
+    }
+    paths += static_cast<int>(fast.paths.size());
+  }
+  EXPECT_GE(paths, pairs() / 10);
+}
+
 TEST(CertifyPaths, AWholeCircleOfPathsStaysUndecided) {
   // Both points on the axis of a torus: every path can be turned about it.
   const auto torus = geometry::make_torus({0, 0, 0}, {0, 0, 1}, 1.2, 0.5);

@@ -155,6 +155,38 @@ TEST(FindPaths, TheSameBothWays) {
   EXPECT_GT(found_any, kPairs / 30);
 }
 
+SystemSurface glass(geometry::SurfacePtr shape, double index) {
+  SystemSurface surface = test::mirror(std::move(shape));
+  surface.optics.kind = Optics::Kind::refract;
+  surface.optics.index_inside = index;
+  return surface;
+}
+
+// Water below z = 0: the crossing r of the plane solves sin i = n sin t, one equation by bisection.
+TEST(FindPaths, ThroughAPlaneInterfaceFollowSnell) {
+  const auto system = scene_of({glass(geometry::make_plane({0, 0, 0}, {0, 0, 1}), 1.33)});
+  Random random(7105);
+  for (int k = 0; k < 50; ++k) {
+    const double height = random.uniform(0.2, 3.0), depth = random.uniform(0.2, 3.0);
+    const double distance = random.uniform(0.1, 5.0),
+                 angle = random.uniform(0.0, 2 * geometry::kPi);
+    const Vec3 across(std::cos(angle), std::sin(angle), 0.0);
+    const Point from = height * Vec3::UnitZ(), to = distance * across - depth * Vec3::UnitZ();
+    double lo = 0.0, hi = distance;
+    for (int i = 0; i < 100; ++i) {
+      const double r = 0.5 * (lo + hi), s = distance - r;
+      (r / std::hypot(r, height) < 1.33 * s / std::hypot(s, depth) ? lo : hi) = r;
+    }
+    for (const bool down : {true, false}) {
+      const auto found = down ? paths(system, {0}, from, to) : paths(system, {0}, to, from);
+      ASSERT_EQ(found.paths.size(), 1u);
+      EXPECT_LT((found.paths[0].path.x[0] - lo * across).norm(), 1e-9);
+    }
+    // From one side to the same side nothing is refracted.
+    EXPECT_TRUE(paths(system, {0}, from, from + across).paths.empty());
+  }
+}
+
 // Every path of an ellipsoid between its foci: not a list, and it does not hang.
 TEST(FindPaths, PerfectFocusIsUndecided) {
   const auto system = scene_of(
