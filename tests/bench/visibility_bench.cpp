@@ -36,6 +36,10 @@ void visibility(benchmark::State& state) {
   for (const auto& curve : solver::trace_contours(scene.system, scene.request).curves) {
     points.insert(points.end(), curve.vertices.begin(), curve.vertices.end());
   }
+  const solver::ForwardMap map(system, 0, 1);
+  const auto way = [&](const solver::CurveVertex& v) {
+    return solver::LightPath(map, v.x, nullptr, v.p);
+  };
   std::vector<Box> boxes;
   for (const auto& surface : system.surfaces()) boxes.push_back(surface.region);
 
@@ -48,10 +52,10 @@ void visibility(benchmark::State& state) {
         by_embree(system, candidates.get(), margin);
     std::vector<bool> a, b;
     each.time([&] {
-      for (const auto& v : points) a.push_back(by_each.hidden(0, v.x, v.p));
+      for (const auto& v : points) a.push_back(by_each.hidden(map.hops(), way(v)));
     });
     embree.time([&] {
-      for (const auto& v : points) b.push_back(by_embree.hidden(0, v.x, v.p));
+      for (const auto& v : points) b.push_back(by_embree.hidden(map.hops(), way(v)));
     });
     differ += a != b;
   }
