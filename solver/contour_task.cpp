@@ -27,29 +27,46 @@ struct Track {
   std::vector<Point> x;
   std::vector<Vec3> t;
   bool closed;
-  double longest = 1e-300;  // distance of neighbours
 
   explicit Track(const Trace& trace) : t(trace.tangents), closed(trace.closed) {
-    for (const CurveVertex& v : trace.vertices) {
-      if (!x.empty()) longest = std::max(longest, (v.x - x.back()).norm());
-      x.push_back(v.x);
+    x.reserve(trace.vertices.size());
+    for (const CurveVertex& v : trace.vertices) x.push_back(v.x);
+    for (std::size_t begin = 0; begin < x.size(); begin += kBall) {
+      Ball ball{x[std::min(begin + kBall / 2, x.size() - 1)], 0.0, begin,
+                std::min(begin + kBall, x.size())};
+      for (std::size_t i = begin; i < ball.end; ++i) {
+        ball.radius = std::max(ball.radius, (x[i] - ball.center).norm());
+      }
+      balls.push_back(ball);
     }
   }
-  // The vertex nearest to y. From one that is further off than the best so far by some lengths no
-  // fewer vertices lead to a better one.
+  // The vertex nearest to y.
   std::size_t nearest(const Point& y) const {
     std::size_t best = 0;
-    double least = geometry::kInfinity;
-    for (std::size_t i = 0; i < x.size();) {
-      const double d = (x[i] - y).norm();
-      if (d < least) {
-        least = d;
-        best = i;
+    double least2 = geometry::kInfinity, least = geometry::kInfinity;
+    for (const Ball& ball : balls) {
+      const double reach = least + ball.radius;
+      if ((ball.center - y).squaredNorm() > reach * reach) continue;
+      for (std::size_t i = ball.begin; i < ball.end; ++i) {
+        const double d2 = (x[i] - y).squaredNorm();
+        if (d2 < least2) {
+          least2 = d2;
+          best = i;
+        }
       }
-      i += 1 + static_cast<std::size_t>(std::min((d - least) / longest, 1e9));
+      least = std::sqrt(least2);
     }
     return best;
   }
+
+ private:
+  static constexpr std::size_t kBall = 16;
+  struct Ball {  // about neighbours on the track
+    Point center;
+    double radius;
+    std::size_t begin, end;
+  };
+  std::vector<Ball> balls;
 };
 
 // A point against the cubic through two vertices with their tangents.

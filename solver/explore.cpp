@@ -30,8 +30,10 @@ constexpr double kImageShare = 0.2;
 // Largest difference between a corner and what gradients predict there, as a share of the largest.
 constexpr double kFieldVariation = 0.2;
 constexpr double kImageVariation = 0.1;
-// How far beyond the samples of a cell its values may reach, in their spread.
-constexpr double kOvershoot = 0.5;
+// How far beyond the samples of a cell its values may reach: a share of their spread, and how often
+// the difference between the middle and the mean of the corners.
+constexpr double kOvershoot = 0.1;
+constexpr double kBulge = 2.0;
 // Halvings of an edge until the last place with a path is known.
 constexpr int kPathEndHalvings = 24;
 // Corners on the domain's boundary are as near to it as this share of the edge they cut.
@@ -57,9 +59,24 @@ struct Span {
     hi = std::max(hi, v);
   }
   double width() const { return hi - lo; }
+};
+
+// The values of a function at a cell's corners, then in its middle.
+struct Values : Span {
+  double corners = 0.0, middle = 0.0;
+  void include(double v) {
+    Span::include(v);
+    corners += middle;
+    middle = v;
+  }
+  /// How far the function may go beyond its samples: a quadratic one by what the middle differs
+  /// from the corners' mean.
+  double overshoot() const {
+    return kOvershoot * width() + kBulge * std::abs(middle - 0.25 * corners);
+  }
   /// No change of sign among the samples nor within the overshoot beyond them.
-  bool positive() const { return lo - kOvershoot * width() > 0.0; }
-  bool negative() const { return hi + kOvershoot * width() < 0.0; }
+  bool positive() const { return lo - overshoot() > 0.0; }
+  bool negative() const { return hi + overshoot() < 0.0; }
 };
 
 class Explorer {
@@ -249,7 +266,8 @@ Explorer::Verdict Explorer::judge(const Square& c, View& view) {
   // Light arrives in the window where |P| <= half·|m·D| with P = q (m·D), which is smooth also where
   // rays become parallel to the receiver and q has a pole.
   const Vec2& half = map_.receiver().half;
-  Span cosine, facing, u, v, beyond[4];  // u and v of the image inside the window
+  Span facing, u, v;  // u and v of the image inside the window
+  Values cosine, beyond[4];
   double behind = geometry::kInfinity;
   const int plane = domain_.silhouette() + 1;
   for (int k = 0; k < 5; ++k) {
@@ -266,7 +284,7 @@ Explorer::Verdict Explorer::judge(const Square& c, View& view) {
   }
   if (cosine.negative()) return Verdict::discard;
   for (int i = 0; i < 4; i += 2) {
-    const Span &a = beyond[i], &b = beyond[i + 1];
+    const Values &a = beyond[i], &b = beyond[i + 1];
     if ((a.positive() && b.positive()) || (a.negative() && b.negative())) return Verdict::discard;
     view.cut |= !(a.positive() && b.negative()) && !(a.negative() && b.positive());
   }
@@ -279,7 +297,7 @@ Explorer::Verdict Explorer::judge(const Square& c, View& view) {
   view.cut |= !cosine.positive() || behind > -view.radius;
 
   for (int i = domain_.first_later(); i < domain_.size(); ++i) {
-    Span h;
+    Values h;
     for (int k = 0; k < 5; ++k) h.include(domain_.value(i, view(result_, k)));
     if (h.positive()) return Verdict::discard;
     view.cut |= !h.negative();
@@ -529,7 +547,7 @@ Vec3 edge_tangent(const Exploration& e, const Cell& cell, const Domain& domain, 
   } else {
     const auto& chart = e.charts[cell.chart];
     const Vec2 h = 1e-4 * step;
-    t = chart.point(at.s + h.x(), at.t + h.y()) - chart.point(at.s - h.x(), at.t - h.y());
+    t = chart.point(at.s + h.x(), at.t + h.y()) - f.x;
   }
   return t.normalized() * std::copysign(1.0, t.dot(along));
 }

@@ -25,8 +25,8 @@ void FamilyField::explore(Budget& budget) {
   Evaluator evaluate(map, budget);
   Hidden hidden;
   if (visibility) {
-    hidden = [this](const FieldPoint& f) {
-      return visibility->hidden(piece.hops, LightPath(map, f));
+    hidden = [this, lookout = Lookout(*visibility, piece.hops)](const FieldPoint& f) mutable {
+      return lookout.hidden(LightPath(map, f));
     };
   }
   exploration = solver::explore(evaluate, domain, system_, hidden);

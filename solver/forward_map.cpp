@@ -106,6 +106,7 @@ constexpr double kLeastScale = 1e-6;
 // What is known at the first hit before the path is followed.
 struct ForwardMap::Start {
   geometry::SurfaceDerivatives g;
+  Vec3 H1, H2, HG;     // Hessian times e1, e2 and the gradient
   Vec3 d;              // incident, unnormalised
   double NN, inverse_norm;
 };
@@ -114,8 +115,8 @@ namespace {
 
 // Arrival on the receiver (S4) and magnification with its gradient (S5), from the last hit and the
 // direction there as jets along m and along (u, v).
-void arrive(const Jet& x_m, Jet D_m, const JetOf<Array2>& x_uv, const JetOf<Array2>& D_uv,
-            FieldPoint& f) {
+[[gnu::always_inline]] inline void arrive(const Jet& x_m, Jet D_m, const JetOf<Array2>& x_uv,
+                                          const JetOf<Array2>& D_uv, FieldPoint& f) {
   if (D_m.v == 0.0) D_m.v = kParallel;
   const Jet lambda = -1.0 * (x_m / D_m);
   const JetOf<Array2> q = x_uv + lambda * D_uv;
@@ -138,13 +139,14 @@ Vec3 along(const FieldPoint& f, double s, double t) { return s * f.e1 + t * f.e2
 
 // One mirror. Receiver axes throughout; for quadrics the second derivatives of N are multiples of
 // Hĝ/|∇g|, others add the third derivative.
-void ForwardMap::reflect_once(const Start& start, FieldPoint& f) const {
+[[gnu::always_inline]] inline void ForwardMap::reflect_once(const Start& start,
+                                                            FieldPoint& f) const {
   const Mat3& R = to_receiver_;
   const Vec3& G = start.g.gradient;
   const double NN0 = start.NN;
-  const Vec3 N = R * G, N_s = R * (start.g.hessian * f.e1), N_t = R * (start.g.hessian * f.e2);
+  const Vec3 N = R * G, N_s = R * start.H1, N_t = R * start.H2;
   const Vec3 e1 = R * f.e1, e2 = R * f.e2, bend = N * (-1.0 / NN0);  // x_ij = h_ij · bend
-  const Vec3 Hg = R * (start.g.hessian * G);
+  const Vec3 Hg = R * start.HG;
   const double h11 = e1.dot(N_s), h12 = e1.dot(N_t), h22 = e2.dot(N_t);
   const double k11 = -h11 / NN0, k12 = -h12 / NN0, k22 = -h22 / NN0;
   Vec3 N_ss = k11 * Hg, N_st = k12 * Hg, N_tt = k22 * Hg;
@@ -202,7 +204,7 @@ void ForwardMap::reflect_once(const Start& start, FieldPoint& f) const {
 bool ForwardMap::pass_all_hops(const Start& start, const Hit* near, FieldPoint& f) const {
   const double inverse_NN = -1.0 / start.NN;
   const Vec3 bend_of_x = start.g.gradient * inverse_NN;
-  const Vec3 H1 = start.g.hessian * f.e1, H2 = start.g.hessian * f.e2;
+  const Vec3 &H1 = start.H1, &H2 = start.H2;
   RayJet ray;
   ray.x = {f.x,
            f.e1,
@@ -284,20 +286,25 @@ FieldPoint ForwardMap::evaluate(const Point& x, const Hit* near) const {
   f.e1 = frame.e1;
   f.e2 = frame.e2;
 
+  const Mat3& H = start.g.hessian;
+  start.H1 = H * f.e1;
+  start.H2 = H * f.e2;
+  start.HG = H * G;
+
   // Flux density (S6) and cos α, through logarithmic derivatives of the smooth factors.
-  const Vec3 HG = start.g.hessian * G, Hd = start.g.hessian * start.d;
+  const Vec3& d = start.d;
   const double moves = point_source_ ? 1.0 : 0.0;
-  const double dN = start.d.dot(G), dd = start.d.squaredNorm(), inverse_d = 1.0 / std::sqrt(dd);
-  const double factor = -side() * start.inverse_norm * inverse_d;
+  const double dN = d.dot(G), dd = d.squaredNorm(), inverse_d = 1.0 / std::sqrt(dd);
+  const double factor = -side() * start.inverse_norm * inverse_d, inverse_NN = 1.0 / start.NN;
+  const double log_d_s = moves * d.dot(f.e1) / dd, log_d_t = moves * d.dot(f.e2) / dd;
+  const double log_N_s = start.HG.dot(f.e1) * inverse_NN, log_N_t = start.HG.dot(f.e2) * inverse_NN;
   f.cos_alpha = factor * dN;
-  const Vec3 log_d = (moves / dd) * start.d, log_N = HG / start.NN;
-  const Vec3 grad_cos = factor * (Hd - dN * (log_N + log_d));
-  const double cos_s = grad_cos.dot(f.e1), cos_t = grad_cos.dot(f.e2);
+  const double cos_s = factor * (d.dot(start.H1) - dN * (log_N_s + log_d_s));
+  const double cos_t = factor * (d.dot(start.H2) - dN * (log_N_t + log_d_t));
   f.grad_cos = along(f, cos_s, cos_t);
   const double falloff = point_source_ ? strength_ * inverse_d * inverse_d : strength_;
-  const double fall = 2.0 * f.cos_alpha;
-  const double flux_s = falloff * (cos_s - fall * log_d.dot(f.e1));
-  const double flux_t = falloff * (cos_t - fall * log_d.dot(f.e2));
+  const double flux_s = falloff * (cos_s - 2.0 * f.cos_alpha * log_d_s);
+  const double flux_t = falloff * (cos_t - 2.0 * f.cos_alpha * log_d_t);
   f.flux = falloff * f.cos_alpha;
   f.grad_flux = along(f, flux_s, flux_t);
 

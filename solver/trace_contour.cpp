@@ -29,8 +29,10 @@ constexpr double kMaxReceiverStep = 0.5;
 constexpr double kStepSafety = 0.9;
 // Steps shorter than this many roundings of x are a stall.
 constexpr double kMinStepRoundings = 1e3;
-// Share of the chord tolerance that is used, since the estimate is of third order only.
+// Share of the chord tolerance that is used, since the estimate is of third order only, and how
+// much less of it by a piece that is a whole step.
 constexpr double kChordShare = 0.8;
+constexpr double kLongShare = 0.2;
 // A curve that cannot be followed further ends on a boundary that is nearer than this share of the
 // receiver's width.
 constexpr double kMeetingShare = 1e-6;
@@ -60,17 +62,16 @@ struct Stop {
 // Largest distance from its chord of the cubic with these ends and velocities, at three places.
 double chord_error(const Node& a, const Node& b) {
   const double ds = b.s - a.s;
-  const Vec2 chord = b.f.q - a.f.q;
-  const double length2 = chord.squaredNorm();
+  const Vec2 chord = b.f.q - a.f.q, da = ds * a.dq, db = ds * b.dq;
+  const double length2 = chord.squaredNorm(), inverse = length2 > 0.0 ? 1.0 / length2 : 0.0;
   double worst = 0.0;
   for (const double w : {0.25, 0.5, 0.75}) {
     const double v = 1.0 - w;
-    const Vec2 q = (w * w * (3.0 - 2.0 * w)) * chord + (ds * w * v * v) * a.dq -
-                   (ds * w * w * v) * b.dq;
-    const double along = length2 > 0.0 ? std::clamp(q.dot(chord) / length2, 0.0, 1.0) : 0.0;
-    worst = std::max(worst, (q - along * chord).norm());
+    const Vec2 q = (w * w * (3.0 - 2.0 * w)) * chord + (w * v * v) * da - (w * w * v) * db;
+    const double along = std::clamp(q.dot(chord) * inverse, 0.0, 1.0);
+    worst = std::max(worst, (q - along * chord).squaredNorm());
   }
-  return worst;
+  return std::sqrt(worst);
 }
 
 class Tracer final : public DirectionField {
@@ -122,7 +123,11 @@ class Tracer final : public DirectionField {
   std::optional<Stop> accept(const Node& a, const Node& b, Trace& out);
   Stop stop_at_stall(const Node& last) const;
   bool closes(const Node& a, const Node& b);
-  bool in_reach(int boundary, const Node& a, const Node& b);
+  struct Way {
+    std::array<double, 2> moved, bulge;  // of the place, of its image
+  };
+  static Way way(const Node& a, const Node& b);
+  bool in_reach(int boundary, const Node& a, const Node& b, const Way& way);
   std::optional<double> leaves(int boundary, const Node& a, const Node& b);
   FieldPoint end_between(int boundary, const Node& a, const Node& b);
 
@@ -136,7 +141,8 @@ class Tracer final : public DirectionField {
   double ds_ = 0.0;        // next step
   double step_ = 0.0;      // length of the step that the predictor holds
   std::optional<FieldPoint> arrived_;  // the corrected end of that step
-  std::vector<double> room_;           // how far inside each boundary the last vertex is at least
+  std::array<double, 2> travelled_{};  // by the place and by its image, so far
+  std::vector<double> safe_until_;     // no boundary is met before that much is travelled
   Node start_;
   std::size_t accepted_ = 0;
 };
@@ -183,8 +189,11 @@ std::optional<Node> Tracer::between(const Node& a, const Node& b, double s) {
 
 // Where on (0, 1) the next vertex between a and b is wanted; 1 if none is.
 double Tracer::split(const Node& a, const Node& b) const {
-  const double error = chord_error(a, b), allowed = kChordShare * options_.chord;
-  int pieces = error > allowed ? static_cast<int>(std::ceil(std::sqrt(error / allowed))) : 1;
+  const double part = (b.s - a.s) / step_, error = chord_error(a, b) / options_.chord;
+  int pieces = 1;
+  if (error > kChordShare - kLongShare * part * part) {
+    pieces = std::max(2, static_cast<int>(std::ceil(std::sqrt(error / kChordShare))));
+  }
   const double na = a.dq.norm(), nb = b.dq.norm();
   const bool turns = !a.cusp && !b.cusp && a.dq.dot(b.dq) < kMinTurnCosine * na * nb;
   if (turns && (b.f.q - a.f.q).norm() > options_.chord) pieces = std::max(pieces, 2);
@@ -262,23 +271,24 @@ bool Tracer::closes(const Node& a, const Node& b) {
   return at && (at->f.x - x0).norm() <= kClosureShare * length + 1e3 * rounding;
 }
 
+// How far the place and its image move from a to b at most, and how far the cubics through both
+// ends leave them behind.
+Tracer::Way Tracer::way(const Node& a, const Node& b) {
+  const double ds = b.s - a.s, fastest = std::max(a.dq.squaredNorm(), b.dq.squaredNorm());
+  const double bulge = 0.25 * ds * std::sqrt(fastest);
+  return {{ds, (b.f.q - a.f.q).norm() + bulge}, {0.25 * ds, bulge}};
+}
+
 // May the curve meet boundary i between a and b, the next two vertices? Not while it has moved less
 // than it was inside when last asked, where that bounds the change of h.
-bool Tracer::in_reach(int i, const Node& a, const Node& b) {
-  const double ds = b.s - a.s;
-  double beyond = geometry::kInfinity;  // what the cubic through both ends rises above them at most
-  if (domain_.slope_bound(i) == Domain::Slope::of_place) {
-    room_[i] -= ds;
-    beyond = 0.25 * ds;
-  } else if (domain_.slope_bound(i) == Domain::Slope::of_image) {
-    beyond = 0.25 * ds * std::sqrt(std::max(a.dq.squaredNorm(), b.dq.squaredNorm()));
-    room_[i] -= (b.f.q - a.f.q).norm() + beyond;
-  } else {
-    return true;
-  }
-  if (room_[i] > 0.0) return false;
-  room_[i] = -domain_.value(i, b.f);
-  return std::max(domain_.value(i, a.f), -room_[i]) + beyond >= 0.0;
+bool Tracer::in_reach(int i, const Node& a, const Node& b, const Way& way) {
+  const auto slope = domain_.slope_bound(i);
+  if (slope == Domain::Slope::unknown) return true;
+  const int kind = slope == Domain::Slope::of_place ? 0 : 1;
+  if (travelled_[kind] < safe_until_[i]) return false;
+  const double inside = -domain_.value(i, b.f);
+  safe_until_[i] = travelled_[kind] + inside;
+  return std::max(domain_.value(i, a.f), -inside) + way.bulge[kind] >= 0.0;
 }
 
 // Arc at which the curve is certainly beyond boundary i, if it gets there between a and b. A rise
@@ -337,22 +347,24 @@ FieldPoint Tracer::end_between(int i, const Node& a, const Node& b) {
 std::optional<Stop> Tracer::accept(const Node& a, const Node& b, Trace& out) {
   if (closes(a, b)) return Stop{true, {}, false, false};
   int boundary = -1;
-  Node end = b;
+  Node cut;
+  const Node* end = &b;
+  const Way on = way(a, b);
+  for (std::size_t k = 0; k < travelled_.size(); ++k) travelled_[k] += on.moved[k];
   for (int i = 0; i < domain_.size(); ++i) {
-    if (!in_reach(i, a, b)) continue;
-    const auto beyond = leaves(i, a, end);
+    if (!in_reach(i, a, b, on)) continue;
+    const auto beyond = leaves(i, a, *end);
     if (!beyond) continue;
-    Node outside = end;
-    if (*beyond < end.s) {
-      if (const auto at = between(a, end, *beyond)) outside = *at;
-    }
-    const FieldPoint f = end_between(i, a, outside);
-    end = node(f, std::clamp(a.s + a.t.dot(f.x - a.f.x), a.s, end.s));
+    std::optional<Node> outside;
+    if (*beyond < end->s) outside = between(a, *end, *beyond);
+    const FieldPoint f = end_between(i, a, outside ? *outside : *end);
+    cut = node(f, std::clamp(a.s + a.t.dot(f.x - a.f.x), a.s, end->s));
+    end = &cut;
     boundary = i;
   }
-  const bool moved = (end.f.x - a.f.x).norm() > 16.0 * evaluate_.map().rounding(a.f.x);
+  const bool moved = (end->f.x - a.f.x).norm() > 16.0 * evaluate_.map().rounding(a.f.x);
   if (moved || boundary < 0) {
-    append(end.f, out);
+    append(end->f, out);
     ++accepted_;
     evaluate_.budget().spend_vertices(1);
   }
@@ -365,17 +377,18 @@ Stop Tracer::follow(const FieldPoint& seed, double sign, Trace& out) {
   sign_ = sign;
   ds_ = options_.first_step;
   accepted_ = 0;
-  room_.assign(static_cast<std::size_t>(domain_.size()), 0.0);
+  travelled_ = {};
+  safe_until_.assign(static_cast<std::size_t>(domain_.size()), 0.0);
   start_ = node(seed, 0.0);
   if (const auto stop = stop_at_start(start_)) return *stop;
 
   Node a = start_;
   std::array<Node, kMaxPending> pending;
   while (!evaluate_.budget().exhausted()) {
-    const auto b = advance(a);
+    auto b = advance(a);
     if (!b) return stop_at_stall(a);
     a.s = 0.0;
-    pending[0] = *b;
+    pending[0] = std::move(*b);
     for (int count = 1; count > 0;) {
       const Node& next = pending[count - 1];
       if (count < kMaxPending) {
@@ -383,13 +396,12 @@ Stop Tracer::follow(const FieldPoint& seed, double sign, Trace& out) {
         const double w = c ? 1.0 : split(a, next);
         if (w < 1.0) c = between(a, next, a.s + w * (next.s - a.s));
         if (c && c->s > a.s && c->s < next.s) {
-          pending[count++] = *c;
+          pending[count++] = std::move(*c);
           continue;
         }
       }
       if (const auto stop = accept(a, next, out)) return *stop;
-      a = next;
-      --count;
+      a = std::move(pending[--count]);
     }
   }
   return Stop{};

@@ -47,13 +47,17 @@ LightPath::LightPath(const ForwardMap& map, const Point& x, const Hit* hits, con
   at[count - 1] = p;
 }
 
-double LightPath::motion(const LightPath& other) const {
-  double furthest = 0.0;
-  for (int j = 0; j < count; ++j) furthest = std::max(furthest, (at[j] - other.at[j]).norm());
-  return furthest;
+double Sight::used(const LightPath& from, const LightPath& to) const {
+  double most = 0.0, before = 0.0;
+  for (int j = 0; j < from.count; ++j) {
+    const double moved = (to.at[j] - from.at[j]).norm();
+    most = std::max(most, use[j].by_begin * before + use[j].by_end * moved);
+    before = moved;
+  }
+  return most;
 }
 
-Visibility::Sight Visibility::look(const Hops& hops, const LightPath& path) const {
+Sight Visibility::look(const Hops& hops, const LightPath& path) const {
   const Point& x = path.x();
   Segment to_light{{x, Vec3::Zero()}, 1.0 - kLightEndShare, false, hops[0].surface};
   if (const auto* point = std::get_if<PointLight>(&system_.light())) {
@@ -66,52 +70,65 @@ Visibility::Sight Visibility::look(const Hops& hops, const LightPath& path) cons
     }
     to_light.ray.direction = -reach * std::get<CollimatedLight>(system_.light()).direction;
   }
-  const double lit = clearance(to_light);
-  if (lit < 0.0) return {lit, Ending::shadow};
-  Sight sight{lit, Ending::shadow};
-  for (std::size_t j = 0; j < hops.size(); ++j) {
+  const Room lit = room(to_light);
+  Sight sight{lit.hidden, Ending::shadow, {}};
+  sight.use[0].by_end = lit.use.by_begin;  // that segment was looked along the other way
+  for (std::size_t j = 0; j < hops.size() && !sight.hidden; ++j) {
     const bool last = j + 1 == hops.size();
     const Segment on{{path.at[j], path.at[j + 1] - path.at[j]},
                      1.0 - kReceiverEndShare,
                      true,
                      hops[j].surface,
                      last ? -1 : hops[j + 1].surface};
-    const double seen = clearance(on);
-    if (seen < sight.clearance) sight = {seen, Ending::occlusion};
-    if (seen < 0.0) break;
+    const Room seen = room(on);
+    if (seen.hidden) sight = {true, Ending::occlusion, {}};
+    sight.use[j + 1] = seen.use;
   }
   return sight;
 }
 
-double Visibility::clearance(const Segment& segment) const {
-  double free = geometry::kInfinity, depth = 0.0;
+namespace {
+
+Sight::Use either(const Sight::Use& a, const Sight::Use& b) {
+  return {std::max(a.by_begin, b.by_begin), std::max(a.by_end, b.by_end)};
+}
+
+double total(const Sight::Use& use) { return use.by_begin + use.by_end; }
+
+}  // namespace
+
+Visibility::Room Visibility::room(const Segment& segment) const {
+  Sight::Use free, depth{geometry::kInfinity, geometry::kInfinity};
+  bool hidden = false;
+  // Free of all surfaces, or hidden as long as it is by one of them.
   const auto ask = [&](int surface) {
-    const double c = clearance(segment, surface);
-    if (c < 0.0)
-      depth = std::max(depth, -c);
-    else
-      free = std::min(free, c);
+    const Room r = room(segment, surface);
+    hidden |= r.hidden;
+    if (!r.hidden)
+      free = either(free, r.use);
+    else if (total(r.use) < total(depth))
+      depth = r.use;
   };
   if (candidates_) {
     thread_local std::vector<int> found;
     found.clear();
     candidates_->candidates(segment.ray, 1.0, found);
     for (const int surface : found) ask(surface);
-    free = std::min(free, margin_);
+    free = either(free, {1.0 / margin_, 1.0 / margin_});
   } else {
     for (int i = 0; i < static_cast<int>(system_.surfaces().size()); ++i) ask(i);
   }
-  return depth > 0.0 ? -depth : free;
+  return hidden ? Room{true, depth} : Room{false, free};
 }
 
-double Visibility::clearance(const Segment& segment, int index) const {
+Visibility::Room Visibility::room(const Segment& segment, int index) const {
   const auto& [name, shape, bounds, optics, region] = system_.surfaces()[index];
   const Ray& ray = segment.ray;
   const bool own = index == segment.own, target = index == segment.target;
-  if (!own && !region.may_meet(ray, margin_)) return margin_;
+  if (!own && !region.may_meet(ray, margin_)) return {false, {1.0 / margin_, 1.0 / margin_}};
   // Inside a convex surface the way from it to the light is free.
   if (own && !segment.end_moves && shape->convex(shape->value(ray.at(1.0)) < 0.0 ? 1 : -1)) {
-    return geometry::kInfinity;
+    return {};
   }
   thread_local RayParameters roots, still;
   roots.clear();
@@ -152,49 +169,88 @@ double Visibility::clearance(const Segment& segment, int index) const {
   const auto slope_rise = [&](const Place& at) {
     return 0.5 * std::abs(at.margin * at.d.gradient.dot(along));
   };
-  double free = geometry::kInfinity, depth = 0.0;
-  const auto meet = [&](const Place& at, double rise) {
-    free = std::min(free, at.margin > 0.0 ? std::max(at.distance, to_edge(at, rise)) : at.distance);
+  // A distance c that places in [lo, hi] of the segment have to move: one at t moves by 1 − t of
+  // what the beginning does and by t of what the end does.
+  const bool turns = std::holds_alternative<PointLight>(system_.light());
+  const auto use_of = [&](double c, double lo, double hi) -> Sight::Use {
+    const double rate = 1.0 / std::max(c, 1e-300);
+    lo = std::max(lo, 0.0);
+    hi = std::min(hi, 1.0);
+    if (segment.end_moves) return {(1.0 - lo) * rate, hi * rate};
+    return {turns ? (1.0 - lo) * rate : rate, 0.0};
+  };
+  Sight::Use free, depth{geometry::kInfinity, geometry::kInfinity};
+  bool hidden = false;
+  const auto meet = [&](const Place& at, double rise, double lo, double hi) {
+    const double c = at.margin > 0.0 ? std::max(at.distance, to_edge(at, rise)) : at.distance;
+    free = either(free, use_of(c, lo, hi));
   };
 
   const Place end = place(1.0);
-  double ends = target ? geometry::kInfinity : end.distance;
+  const double first_still = still.empty() ? 1.0 : still.front();
+  const double last_still = still.empty() ? 0.0 : still.back();
+  Sight::Use ends;
   if (!segment.end_moves) {
     // A light does not cross the surface, but near it the segment may come to touch: not before it
     // has turned about the light into the surface's tangent plane there.
     Place light = end;
     const double sine = std::abs(end.d.gradient.dot(along)) / end.d.gradient.norm();
     light.distance = std::max(end.distance, length * sine);
-    meet(light, slope_rise(light));
+    meet(light, slope_rise(light), 0.0, 1.0);
   } else if (!target) {
-    meet(end, slope_rise(end));
+    meet(end, slope_rise(end), last_still, 1.0);
   }
+  if (!target) ends = use_of(end.distance, 1.0, 1.0);
   if (!own) {
     const Place origin = place(0.0);
-    ends = std::min(ends, origin.distance);
-    meet(origin, slope_rise(origin));
+    ends = either(ends, use_of(origin.distance, 0.0, 0.0));
+    meet(origin, slope_rise(origin), 0.0, first_still);
   }
-  for (const double t : still) {
-    const Place at = place(t);
+  for (std::size_t i = 0; i < still.size(); ++i) {
+    const Place at = place(still[i]);
     const double bend = along.dot(at.d.hessian * along);
-    // Only where |g| has a minimum does the segment come near without crossing.
-    if (at.d.g * bend > 0.0) meet(at, 0.5 * at.margin * at.margin * std::abs(bend));
+    // Only where |g| has a minimum does the segment come near without crossing; it is no smaller up
+    // to the neighbours.
+    if (at.d.g * bend > 0.0) {
+      meet(at, 0.5 * at.margin * at.margin * std::abs(bend), i > 0 ? still[i - 1] : 0.0,
+           i + 1 < still.size() ? still[i + 1] : 1.0);
+    }
   }
   for (const double t : roots) {
     if (t <= 0.0) continue;
     const Place at = place(t);
+    const double slide = std::abs(at.margin) / length;
+    const Sight::Use edge = use_of(to_edge(at, slope_rise(at)), t - slide, t + slide);
     if (at.margin > 0.0) {
-      free = std::min(free, to_edge(at, slope_rise(at)));
+      free = either(free, edge);
     } else if (t < segment.end) {
       // Free again once the crossing leaves the aperture, meets a neighbour or passes an end.
-      double out = std::min(ends, to_edge(at, slope_rise(at)));
+      Sight::Use out = either(ends, edge);
       const auto next = std::lower_bound(still.begin(), still.end(), t);
-      if (next != still.end()) out = std::min(out, place(*next).distance);
-      if (next != still.begin()) out = std::min(out, place(*std::prev(next)).distance);
-      depth = std::max(depth, std::max(out, 1e-300));
+      if (next != still.end()) out = either(out, use_of(place(*next).distance, *next, *next));
+      if (next != still.begin()) {
+        const double before = *std::prev(next);
+        out = either(out, use_of(place(before).distance, before, before));
+      }
+      hidden = true;
+      if (total(out) < total(depth)) depth = out;
     }
   }
-  return depth > 0.0 ? -depth : free;
+  return hidden ? Room{true, depth} : Room{false, free};
+}
+
+bool Lookout::hidden(const LightPath& path) {
+  for (const auto& [from, sight] : seen_) {
+    if (sight.used(from, path) < kUsableRoom) return sight.hidden;
+  }
+  const Sight sight = visibility_.look(hops_, path);
+  if (seen_.size() < kRemembered) {
+    seen_.push_back({path, sight});
+  } else {
+    seen_[oldest_] = {path, sight};
+    oldest_ = (oldest_ + 1) % kRemembered;
+  }
+  return sight.hidden;
 }
 
 }  // namespace caustic::solver

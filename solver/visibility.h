@@ -26,9 +26,25 @@ struct LightPath {
   LightPath(const ForwardMap& map, const FieldPoint& f)
       : LightPath(map, f.x, f.hits.get(), map.receiver().point(f.q)) {}
   const Point& x() const { return at[0]; }
-  /// How far any of its points moves at most to another path of the family.
-  double motion(const LightPath& other) const;
 };
+
+/// What is seen of one path, and how far from it that holds (S13).
+struct Sight {
+  bool hidden = false;
+  Ending ending = Ending::shadow;  ///< by what kind of segment it is hidden, or could be
+  /// Of the segment that ends at point j of the path: how much of its room a motion of its
+  /// beginning and of its end uses, 1/m. The first begins at the light.
+  struct Use {
+    double by_begin = 0.0, by_end = 0.0;
+  };
+  std::array<Use, kMaxHops + 1> use{};
+
+  /// The share of the room used by moving from the path that was looked at to another one.
+  double used(const LightPath& from, const LightPath& to) const;
+};
+
+/// As much of its room is taken for free: it is a lower bound to second order only.
+constexpr double kUsableRoom = 1.0 / 1.2;
 
 class Visibility {
  public:
@@ -36,31 +52,43 @@ class Visibility {
   /// `margin` (m) count as that far.
   Visibility(const OpticalSystem& system, const geometry::EmbreeScene* candidates, double margin);
 
-  /// Signed clearance (S13), m: > 0 if all segments are free, and then how far the nearest blocker
-  /// is; < 0 if one is hidden, and then how far the nearest way out is. `ending` says which segment.
-  struct Sight {
-    double clearance;
-    Ending ending;
-  };
   Sight look(const Hops& hops, const LightPath& path) const;
-  bool hidden(const Hops& hops, const LightPath& path) const {
-    return look(hops, path).clearance < 0.0;
-  }
+  bool hidden(const Hops& hops, const LightPath& path) const { return look(hops, path).hidden; }
 
  private:
   struct Segment {
     geometry::Ray ray;  // t in [0, 1]
     double end;         // blocked only before this t
-    bool end_moves;     // a light's does not
+    bool end_moves;     // a point light's does not, and a beam's moves with the beginning
     int own;            // index of the surface it starts on
     int target = -1;    // index of the surface it ends on, if it does
   };
-  double clearance(const Segment& segment) const;
-  double clearance(const Segment& segment, int surface) const;
+  struct Room {
+    bool hidden = false;
+    Sight::Use use;  // of the segment's own beginning and end
+  };
+  Room room(const Segment& segment) const;
+  Room room(const Segment& segment, int surface) const;
 
   const OpticalSystem& system_;
   const geometry::EmbreeScene* candidates_;
   double margin_;
+};
+
+/// Visibility of paths that are asked for near each other: what is seen of one holds for its
+/// neighbours.
+class Lookout {
+ public:
+  Lookout(const Visibility& visibility, const Hops& hops) : visibility_(visibility), hops_(hops) {}
+  bool hidden(const LightPath& path);
+
+ private:
+  static constexpr std::size_t kRemembered = 8;
+
+  const Visibility& visibility_;
+  const Hops& hops_;
+  std::vector<std::pair<LightPath, Sight>> seen_;
+  std::size_t oldest_ = 0;
 };
 
 }  // namespace caustic::solver

@@ -10,25 +10,26 @@ namespace caustic::solver {
 
 namespace {
 
-// Two vertices whose clearances together exceed their distance by this factor have nothing between
-// them; clearance is a lower bound to second order only.
-constexpr double kClearanceFactor = 1.2;
 // Bisections of an interval that is not safe: both ends alike, ends different.
 constexpr int kMaxScanDepth = 6;
 constexpr int kMinScanDepth = 2;
 
 struct Sighted {
   LightPath path;
-  Visibility::Sight sight;
+  Sight sight;
   std::shared_ptr<const Hit[]> hits;
-  bool hidden() const { return sight.clearance < 0.0; }
-  double room() const { return std::abs(sight.clearance); }
+  bool hidden() const { return sight.hidden; }
+  bool holds_at(const LightPath& to) const { return sight.used(path, to) < kUsableRoom; }
 };
 
-// Is all between them as they are?
-bool settled(const Sighted& a, const Sighted& b) {
-  return a.hidden() == b.hidden() &&
-         a.room() + b.room() > kClearanceFactor * a.path.motion(b.path);
+// Is all from the path `a`, for which `seen` holds, to b as they are? The rooms of both together
+// reach from one to the other.
+bool settled(const Sighted& seen, const LightPath& a, const Sighted& b) {
+  if (seen.hidden() != b.hidden()) return false;
+  const double before = seen.sight.used(seen.path, a);
+  const double on_the_way = std::max(seen.sight.used(seen.path, b.path) - before, 0.0);
+  const double back = b.sight.used(b.path, a);
+  return (kUsableRoom - before) * back + kUsableRoom * on_the_way > on_the_way * back;
 }
 
 // A change of visibility between two vertices: the last point of the visible side.
@@ -52,19 +53,13 @@ class Cutter {
     const std::shared_ptr<const Hit[]> hits = trace.hits.empty() ? nullptr : trace.hits[i];
     return look(path(trace, i), hits);
   }
-  // What is known at `a` holds at the next vertex too, if that is near enough.
-  std::optional<Sighted> carry(const Sighted& a, const Trace& trace, std::size_t i) const {
-    const LightPath on = path(trace, i);
-    const double left = a.room() - kClearanceFactor * a.path.motion(on);
-    if (left <= 0.0) return std::nullopt;
-    return Sighted{on,
-                   {std::copysign(left, a.sight.clearance), a.sight.ending},
-                   trace.hits.empty() ? nullptr : trace.hits[i]};
+  LightPath path(const Trace& trace, std::size_t i) const {
+    const CurveVertex& v = trace.vertices[i];
+    return {evaluate_.map(), v.x, trace.hits.empty() ? nullptr : trace.hits[i].get(), v.p};
   }
-  Sighted look_again(const Sighted& a) const { return look(a.path, a.hits); }
 
   void scan(const Sighted& a, const Sighted& b, int depth, std::vector<Change>& out) {
-    if (settled(a, b)) return;
+    if (settled(a, a.path, b)) return;
     const bool alike = a.hidden() == b.hidden();
     if (depth >= (alike ? kMaxScanDepth : kMinScanDepth)) {
       if (!alike) out.push_back(locate(a, b));
@@ -80,10 +75,6 @@ class Cutter {
   }
 
  private:
-  LightPath path(const Trace& trace, std::size_t i) const {
-    const CurveVertex& v = trace.vertices[i];
-    return {evaluate_.map(), v.x, trace.hits.empty() ? nullptr : trace.hits[i].get(), v.p};
-  }
   std::optional<Sighted> between(const Sighted& a, const Sighted& b) {
     const Point &xa = a.path.x(), &xb = b.path.x();
     const auto f = correct(evaluate_, level_, 0.5 * (xa + xb),
@@ -137,23 +128,21 @@ std::vector<Trace> visible_pieces(Trace trace, const Visibility& visibility, Eva
     keep_original_end(pieces.back());
     pieces.back().vertices.push_back(trace.vertices[0]);
   }
-  Sighted a = first;
-  bool asked = true;  // or `a` carries on what was known before
+  Sighted seen = first;  // the last that was looked at
   std::vector<Change> changes;
   for (std::size_t i = 0; i < segments; ++i) {
-    if (evaluate.budget().out_of_time()) {
-      if (open) pieces.back().ends.push_back(Ending::limit);
-      return pieces;
-    }
     const std::size_t next = (i + 1) % n;
     const CurveVertex& vertex = trace.vertices[next];
     changes.clear();
-    auto b = cutter.carry(a, trace, next);
-    const bool carried = b.has_value();
-    if (!carried) {
-      b = next == 0 ? first : cutter.look(trace, next);
-      if (!asked && !settled(a, *b)) a = cutter.look_again(a);
-      cutter.scan(a, *b, 0, changes);
+    if (!seen.holds_at(cutter.path(trace, next))) {
+      if (evaluate.budget().out_of_time()) {
+        if (open) pieces.back().ends.push_back(Ending::limit);
+        return pieces;
+      }
+      const Sighted b = next == 0 ? first : cutter.look(trace, next);
+      if (!settled(seen, cutter.path(trace, i), b))
+        cutter.scan(cutter.look(trace, i), b, 0, changes);
+      seen = b;
     }
     for (const Change& change : changes) {
       ++changes_seen;
@@ -164,8 +153,6 @@ std::vector<Trace> visible_pieces(Trace trace, const Visibility& visibility, Eva
       open = !change.to_hidden;
     }
     if (open && next != 0) pieces.back().vertices.push_back(vertex);
-    a = *b;
-    asked = !carried;
   }
   if (changes_seen == 0) {
     if (open) return {std::move(trace)};

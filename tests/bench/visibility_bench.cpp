@@ -32,14 +32,11 @@ void visibility(benchmark::State& state) {
   const SceneRequest scene = convex_ellipsoid();
   const auto system = with_blockers(scene, static_cast<int>(state.range(0)));
   const double margin = 1e-2 * system.diameter();
-  std::vector<solver::CurveVertex> points;
-  for (const auto& curve : solver::trace_contours(scene.system, scene.request).curves) {
-    points.insert(points.end(), curve.vertices.begin(), curve.vertices.end());
-  }
   const solver::ForwardMap map(system, 0, 1);
-  const auto way = [&](const solver::CurveVertex& v) {
-    return solver::LightPath(map, v.x, nullptr, v.p);
-  };
+  std::vector<solver::LightPath> paths;
+  for (const auto& curve : solver::trace_contours(scene.system, scene.request).curves) {
+    for (const auto& v : curve.vertices) paths.push_back({map, v.x, nullptr, v.p});
+  }
   std::vector<Box> boxes;
   for (const auto& surface : system.surfaces()) boxes.push_back(surface.region);
 
@@ -52,15 +49,15 @@ void visibility(benchmark::State& state) {
         by_embree(system, candidates.get(), margin);
     std::vector<bool> a, b;
     each.time([&] {
-      for (const auto& v : points) a.push_back(by_each.hidden(map.hops(), way(v)));
+      for (const auto& path : paths) a.push_back(by_each.hidden(map.hops(), path));
     });
     embree.time([&] {
-      for (const auto& v : points) b.push_back(by_embree.hidden(map.hops(), way(v)));
+      for (const auto& path : paths) b.push_back(by_embree.hidden(map.hops(), path));
     });
     differ += a != b;
   }
   if (differ) state.SkipWithError("Embree and asking each surface disagree");
-  const auto n = static_cast<double>(points.size());
+  const auto n = static_cast<double>(paths.size());
   state.counters["each_ns"] = 1e9 * each.min() / n;
   state.counters["embree_ns"] = 1e9 * embree.min() / n;
   state.counters["build_us"] = 1e6 * build.min();
