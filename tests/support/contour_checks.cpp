@@ -252,6 +252,9 @@ std::vector<FieldPoint> points_on_grid(const OpticalSystem& system, int surface,
   const auto charts = map.shape().charts({mirror.region, system.center(), system.diameter()});
   const auto f_of = [&](const FieldPoint& f) { return f.a - parity / level * f.flux; };
   std::vector<FieldPoint> found;
+  // Surfaces without global coordinates have many small charts.
+  const double share = std::sqrt(6.0 / std::max(6.0, static_cast<double>(charts.size())));
+  n = std::max(4, static_cast<int>(n * share));
   for (const auto& chart : charts) {
     struct Node {
       double s, t, f, facing;
@@ -260,7 +263,8 @@ std::vector<FieldPoint> points_on_grid(const OpticalSystem& system, int surface,
     const auto node_at = [&](double s, double t) {
       const FieldPoint f = map.evaluate(chart.point(s, t));
       const bool inside = f.arrives() && f.lit() && system.receiver().contains(f.q) &&
-                          geometry::exists_at(mirror.bounds, f.x);
+                          geometry::exists_at(mirror.bounds, f.x) &&
+                          geometry::exists_at(chart.cell, f.x);
       return Node{s, t, f_of(f), f.facing, inside};
     };
     std::vector<Node> nodes;
