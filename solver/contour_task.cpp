@@ -170,9 +170,9 @@ void run(ContourTask& task, Budget& budget, double chord, double residual) {
   Evaluator evaluate(task.field->map, budget);
   std::vector<Track> tracks;
   for (const Seed& seed : task.seeds) {
-    if (budget.exhausted()) break;
     // At a silhouette where a vanishes too all levels meet, and none can be followed.
     if (!seed.at.lit() || leads_to_track(tracks, seed, task.level)) continue;
+    if (budget.exhausted()) break;
     const auto f = settle(seed, evaluate, *task.field, task.level, residual);
     if (!f) {
       ++task.lost_seeds;

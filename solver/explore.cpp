@@ -37,7 +37,7 @@ constexpr double kBulge = 2.0;
 // Halvings of an edge until the last place with a path is known.
 constexpr int kPathEndHalvings = 24;
 // Corners on the domain's boundary are as near to it as this share of the edge they cut.
-constexpr double kClipShare = 1e-6;
+constexpr double kClipShare = 1e-4;
 // The samples' spread about the middle underestimates a cell's radius on curved charts.
 constexpr double kRadiusFactor = 1.3;
 // Half the radius of a cell that the aperture cuts is at most the radius of what that leaves.
@@ -487,7 +487,7 @@ Exploration Explorer::run() {
     }
   }
   while (!queue.empty()) {
-    if (evaluate_.budget().exhausted()) return std::move(result_);
+    if (seen_ % kBetweenChecks == 0 && evaluate_.budget().exhausted()) return std::move(result_);
     const Square c = queue.front();
     queue.pop_front();
     ++seen_;
@@ -531,80 +531,6 @@ double image_area(const Exploration& e, const Cell& cell) {
     twice += a.x() * b.y() - a.y() * b.x();
   }
   return 0.5 * std::abs(twice);
-}
-
-namespace {
-
-// Unit tangent of a cell's edge at one of its corners, towards `along`: of the domain's boundary, or of
-// the chart's line.
-Vec3 edge_tangent(const Exploration& e, const Cell& cell, const Domain& domain, int boundary,
-                  const Corner& at, const Vec2& step, const Vec3& along) {
-  const FieldPoint& f = e.samples[at.sample];
-  Vec3 t;
-  if (boundary == kPathEnds) return along.normalized();
-  if (boundary >= 0) {
-    t = f.n.cross(domain.gradient(boundary, f));
-  } else {
-    const auto& chart = e.charts[cell.chart];
-    const Vec2 h = 1e-4 * step;
-    t = chart.point(at.s + h.x(), at.t + h.y()) - f.x;
-  }
-  return t.normalized() * std::copysign(1.0, t.dot(along));
-}
-
-// Mean distance, times its direction, of a curve from its chord of length L: L (T₀ − T₁)/12 by the cubic
-// with unit tangents T₀, T₁, corrected so that it is exact for arcs of any angle θ.
-Vec3 mean_bulge(double length, const Vec3& t0, const Vec3& t1) {
-  const Vec3 turn = t0 - t1;
-  const double sine = std::min(1.0, 0.5 * turn.norm()), angle = 2.0 * std::asin(sine);
-  const double arc = angle > 0.1 ? 0.75 * (angle - std::sin(angle)) / (sine * sine * sine) : 1.0;
-  return (arc * length / 12.0) * turn;
-}
-
-// Flux through the ribbon between the curve and the chord of the edge k, with the sign of the
-// polygon's orientation.
-double flux_beyond_chord(const Exploration& e, const Cell& cell, const Domain& domain,
-                         std::size_t k) {
-  const Corner &a = cell.polygon[k], &b = cell.polygon[(k + 1) % cell.polygon.size()];
-  const Point &xa = e.samples[a.sample].x, &xb = e.samples[b.sample].x;
-  const Vec3 chord = xb - xa;
-  const Vec2 step(b.s - a.s, b.t - a.t);
-  const Vec3 bulge =
-      mean_bulge(chord.norm(), edge_tangent(e, cell, domain, a.boundary, a, step, chord),
-                 edge_tangent(e, cell, domain, a.boundary, b, step, chord));
-  const Point middle = 0.5 * (xa + xb);
-  const Vec3 light =
-      domain.map().flux_across(middle) * domain.map().incident(middle).normalized();
-  const double flux = light.dot(bulge.cross(chord));
-  return std::isfinite(flux) ? flux : 0.0;
-}
-
-}  // namespace
-
-double flux_of(const Exploration& e, const Cell& cell, const Domain& domain, const Light& light) {
-  const double strength = domain.map().strength();
-  double share = 0.0;
-  for (const Corner& corner : cell.polygon) share += e.samples[corner.sample].share;
-  share /= static_cast<double>(cell.polygon.size());
-  const Point& first = e.samples[cell.polygon[0].sample].x;
-  double sum = 0.0;
-  for (std::size_t k = 0; k < cell.polygon.size(); ++k) {
-    sum += flux_beyond_chord(e, cell, domain, k);
-    if (k == 0 || k + 1 == cell.polygon.size()) continue;
-    const Point& b = e.samples[cell.polygon[k].sample].x;
-    const Point& c = e.samples[cell.polygon[k + 1].sample].x;
-    if (const auto* point = std::get_if<PointLight>(&light)) {
-      // Solid angle of a triangle: Van Oosterom & Strackee, IEEE Trans. BME 30 (1983).
-      const Vec3 u = (first - point->position).normalized(), v = (b - point->position).normalized(),
-                 w = (c - point->position).normalized();
-      sum += 2.0 * strength *
-             std::atan2(u.dot(v.cross(w)), 1.0 + u.dot(v) + v.dot(w) + w.dot(u));
-    } else {
-      const auto& beam = std::get<CollimatedLight>(light);
-      sum += 0.5 * strength * (b - first).cross(c - first).dot(beam.direction);
-    }
-  }
-  return share * std::abs(sum);
 }
 
 }  // namespace caustic::solver

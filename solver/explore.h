@@ -50,11 +50,6 @@ Exploration explore(Evaluator& evaluate, const Domain& domain, const OpticalSyst
 /// Point of a chart, evaluated and stored.
 int add_sample(Exploration& e, Evaluator& evaluate, int chart, double s, double t);
 
-/// Flux through a cell, W: ρI × the solid angle of its polygon from the source, or ρE_b × its area
-/// across the beam, and the flux between the chords and the curves that they stand for (lines of the
-/// chart or the domain's boundary, by their tangents at the corners). Of fourth order in the cell's
-/// size.
-double flux_of(const Exploration& e, const Cell& cell, const Domain& domain, const Light& light);
 /// Area of the polygon's image on the receiver, m².
 double image_area(const Exploration& e, const Cell& cell);
 

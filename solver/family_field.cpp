@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solver/flux.h"
+
 namespace caustic::solver {
 
 namespace {
@@ -45,6 +47,7 @@ void FamilyField::measure() {
   phi_min = geometry::kInfinity;
   phi_max = -geometry::kInfinity;
   int all = 0, degenerate_samples = 0;
+  FluxSum through(exploration, domain, system_.light());
   for (const Cell& cell : exploration.cells) {
     const double visible = 1.0 - cell.hidden;
     if (visible <= 0.0) continue;
@@ -61,7 +64,7 @@ void FamilyField::measure() {
       a_sum += std::abs(f.a);
     }
     if (flux_sum <= 0.0) continue;
-    flux += visible * flux_of(exploration, cell, domain, system_.light());
+    through.add(cell, visible);
     // E in the middle; of a cell cut by the domain the mean over its corners, which neither a corner
     // on the silhouette (E = 0) nor one on the caustic (E = ∞) decides alone.
     const FieldPoint& center = exploration.samples[cell.center];
@@ -72,6 +75,7 @@ void FamilyField::measure() {
     const double area = visible * image_area(exploration, cell);
     if (a_sum > 0.0 && area > 0.0) samples.push_back({flux_sum / a_sum, area});
   }
+  flux = std::max(through.value(), 0.0);
   degenerate = all > 0 && degenerate_samples >= kDegenerateSamples * all;
   const double size = std::max(std::abs(phi_min), std::abs(phi_max));
   uniform = all > 0 && phi_max - phi_min <= kUniformShare * size;

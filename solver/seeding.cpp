@@ -178,8 +178,8 @@ std::vector<CriticalPoint> find_critical_points(Evaluator& evaluate, const Domai
   std::vector<CriticalPoint> found;
   for (std::size_t i = 0; i < e.cells.size(); ++i) {
     const Cell& cell = e.cells[i];
-    if (evaluate.budget().exhausted()) break;
     if (!may_hold_critical_point(e, cell) || !e.samples[cell.center].lit()) continue;
+    if (evaluate.budget().exhausted()) break;
     const auto f = newton_critical(evaluate, e.samples[cell.center], cell.radius);
     if (!f || !domain.contains(*f)) continue;
     const bool again = std::any_of(found.begin(), found.end(), [&](const CriticalPoint& c) {
@@ -195,7 +195,7 @@ std::vector<Seed> find_seeds(Evaluator& evaluate, Exploration& e,
                              const std::vector<LevelFunction>& targets) {
   Seeder seeder(evaluate, e, targets);
   for (std::size_t i = 0; i < e.cells.size(); ++i) {
-    if (evaluate.budget().exhausted()) break;
+    if (i % kBetweenChecks == 0 && evaluate.budget().exhausted()) break;
     const Cell& cell = e.cells[i];
     for (std::size_t k = 0; k < cell.polygon.size(); ++k) {
       if (cell.polygon[k].boundary == kPathEnds) continue;  // E = 0 along it
