@@ -23,11 +23,66 @@ Box window_of(const geometry::ReceiverFrame& r) {
   return {r.origin - reach, r.origin + reach};
 }
 
+bool has_aperture(const SystemSurface& surface) {
+  return std::any_of(surface.bounds.begin(), surface.bounds.end(), [](const auto& bound) {
+    return bound.origin == geometry::Bound::Origin::aperture;
+  });
+}
+
 bool whole(const SystemSurface& surface) {
-  for (const auto& bound : surface.bounds) {
-    if (bound.origin == geometry::Bound::Origin::aperture) return false;
+  return !has_aperture(surface) && surface.shape->own_bounds().empty();
+}
+
+// Boxes on the faces of a surface's own box that are looked at before the proof below is given up.
+constexpr int kFaceBoxes = 2000;
+
+bool finite(const geometry::SurfaceEnclosure& e) {
+  const auto bounded = [](const geometry::Interval& i) {
+    return std::isfinite(i.lo) && std::isfinite(i.hi);
+  };
+  return bounded(e.g) && std::all_of(e.gradient.begin(), e.gradient.end(), bounded) &&
+         std::all_of(e.hessian.begin(), e.hessian.end(), bounded);
+}
+
+// The sign of g all over the faces of the box that a surface is given in, if intervals prove that
+// there is one and that g is smooth inside; else 0. Then the box cuts nothing off, and the surface
+// separates its inside from its outside.
+int sign_around(const SystemSurface& surface) {
+  const auto own = surface.shape->own_bounds();
+  const bool boxed = std::all_of(own.begin(), own.end(), [](const geometry::Bound& bound) {
+    return bound.kind == geometry::Bound::Kind::half_space &&
+           bound.axis.cwiseAbs().maxCoeff() == 1.0;
+  });
+  const Box box = surface.shape->bounds();
+  if (own.empty() || !boxed || !box.bounded() || has_aperture(surface)) return 0;
+  if (!finite(surface.shape->enclose(geometry::intervals(box)))) return 0;
+  std::vector<Box> faces;
+  for (int axis = 0; axis < 3; ++axis) {
+    Box low = box, high = box;
+    low.max[axis] = box.min[axis];
+    high.min[axis] = box.max[axis];
+    faces.insert(faces.end(), {low, high});
   }
-  return surface.shape->own_bounds().empty();
+  const int sign = surface.shape->value(box.min) > 0.0 ? 1 : -1;
+  for (int seen = 0; !faces.empty(); ++seen) {
+    const Box face = faces.back();
+    faces.pop_back();
+    // Directly, and by the mean value form about the middle.
+    const auto over = surface.shape->enclose(geometry::intervals(face));
+    const double middle = sign * surface.shape->value(face.center());
+    double reach = 0.0;
+    for (int i = 0; i < 3; ++i) {
+      reach += 0.5 * (face.max[i] - face.min[i]) * over.gradient[i].magnitude();
+    }
+    if ((sign > 0 ? over.g.lo > 0.0 : over.g.hi < 0.0) || middle > (1.0 + 1e-9) * reach) continue;
+    if (seen > kFaceBoxes || !(middle > 0.0)) return 0;
+    int widest = 0;
+    (face.max - face.min).maxCoeff(&widest);
+    Box left = face, right = face;
+    left.max[widest] = right.min[widest] = face.center()[widest];
+    faces.insert(faces.end(), {left, right});
+  }
+  return sign;
 }
 
 // The side from which light must come, or 0 if it may be either. A surface without holes separates
@@ -35,6 +90,13 @@ bool whole(const SystemSurface& surface) {
 // convex surface lights its inside, holes or not.
 int lit_side(const OpticalSystem& system, const SystemSurface& surface) {
   geometry::Vec3 gradient;
+  if (const int around = sign_around(surface)) {
+    const auto* point = std::get_if<PointLight>(&system.light());
+    if (!point || !surface.shape->bounds().contains(point->position)) return around;
+    const double g = surface.shape->value_gradient(point->position, gradient);
+    if (std::abs(g) <= kOnSurfaceShare * system.diameter() * gradient.norm()) return 0;
+    return g > 0.0 ? 1 : -1;
+  }
   if (const auto* point = std::get_if<PointLight>(&system.light())) {
     const double g = surface.shape->value_gradient(point->position, gradient);
     if (std::abs(g) <= kOnSurfaceShare * system.diameter() * gradient.norm()) return 0;
@@ -44,8 +106,10 @@ int lit_side(const OpticalSystem& system, const SystemSurface& surface) {
   if (!whole(surface)) return 0;
   const Box box = surface.shape->bounds();
   if (!box.bounded()) return 0;
-  // A beam comes from infinity, outside of every closed shape; which sign g has there is the user's.
-  return surface.shape->value(box.center() + geometry::Vec3::Constant(box.diagonal())) > 0.0 ? 1 : -1;
+  // A beam comes from infinity, outside of every closed shape; which sign g has there is the
+  // user's.
+  return surface.shape->value(box.center() + geometry::Vec3::Constant(box.diagonal())) > 0.0 ? 1
+                                                                                             : -1;
 }
 
 // Of surfaces apart from those of the family: does one reach into the room of one of its segments?
@@ -128,9 +192,9 @@ Plan make_plan(const OpticalSystem& system, const std::vector<std::vector<int>>&
   if (unhidden > 0 && !no_skip.count("visibility")) {
     const bool alone = system.surfaces().size() == 1;
     plan.skipped.push_back(
-        {"visibility",
-         alone ? "one convex surface, nothing else to hit"
-               : std::to_string(unhidden) + " families of convex surfaces with nothing in the way"});
+        {"visibility", alone ? "one convex surface, nothing else to hit"
+                             : std::to_string(unhidden) +
+                                   " families of convex surfaces with nothing in the way"});
   }
   const int count = static_cast<int>(system.surfaces().size());
   plan.embree = visibility && (count >= kEmbreeSurfaces || no_skip.count("embree") > 0);

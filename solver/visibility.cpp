@@ -29,10 +29,13 @@ double margin_of(const std::vector<geometry::Bound>& bounds, const Point& x) {
 // Least distance at which a function of this size may vanish that changes as g does, to second
 // order: |g| <= |∇g| δ + ½ |H| δ² solved for δ. A first-order distance is too large inside of
 // curved surfaces.
-double distance_from(double g, const geometry::SurfaceDerivatives& d) {
+double distance_from(double g, const geometry::SurfaceDerivatives& d, double growth) {
   const double slope = d.gradient.norm();
-  return 2.0 * g / (slope + std::sqrt(slope * slope + 2.0 * g * d.hessian.norm()));
+  return 2.0 * g / (slope + std::sqrt(slope * slope + 2.0 * growth * g * d.hessian.norm()));
 }
+// How much larger the Hessian may be on the way than where it is asked; it is constant for
+// quadrics.
+constexpr double kHessianGrowth = 6.0;
 
 }  // namespace
 
@@ -154,16 +157,18 @@ Visibility::Room Visibility::room(const Segment& segment, int index) const {
     geometry::SurfaceDerivatives d;
     double distance, margin;
   };
+  const double growth = shape->at_most_quadratic() ? 1.0 : kHessianGrowth;
   const auto place = [&](double t) {
     const Point y = ray.at(t);
     const auto d = shape->derivatives(y);
-    return Place{d, distance_from(std::abs(d.g), d), std::max(margin_of(bounds, y), -length)};
+    return Place{d, distance_from(std::abs(d.g), d, growth),
+                 std::max(margin_of(bounds, y), -length)};
   };
   // Motion sideways until a crossing or a touch has moved to the edge. At grazing incidence that is
   // less than the way: as much as g changes on it, which is at least `rise`.
   const Vec3 along = ray.direction / length;
   const auto to_edge = [&](const Place& at, double rise) {
-    return std::min(std::abs(at.margin), distance_from(std::abs(at.d.g) + rise, at.d));
+    return std::min(std::abs(at.margin), distance_from(std::abs(at.d.g) + rise, at.d, growth));
   };
   // Half the slope is left in the middle between a crossing and where the segment would touch.
   const auto slope_rise = [&](const Place& at) {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -76,6 +77,19 @@ INSTANTIATE_TEST_SUITE_P(Examples, EveryExample, testing::ValuesIn(names()), [](
   std::erase(word, '-');
   return word;
 });
+
+// The box that an expression is given in does not cut the cuboid, so that no light reaches its
+// inside; it cuts the waves.
+TEST(Examples, ClosedExpressionsAreLitFromOutside) {
+  const auto skips_dark_side = [](const char* name) {
+    const ContourCall call = read_contour_call(find_example(name)->body);
+    const auto result = solver::trace_contours(call.system, call.request);
+    return std::any_of(result.skipped.begin(), result.skipped.end(),
+                       [](const auto& skipped) { return skipped.stage == "dark_side"; });
+  };
+  EXPECT_TRUE(skips_dark_side("cuboid"));
+  EXPECT_FALSE(skips_dark_side("water"));
+}
 
 // The height that freeform-heights.json samples. Elsewhere its spline is as good as the grid
 // allows: E depends on second derivatives, so (2π h)⁴ of the ripple's share of them.
