@@ -89,8 +89,8 @@ TEST(FindPaths, ConcaveSphereHasTwoOrFour) {
     twos += expected == 2;
     fours += expected == 4;
   }
-  EXPECT_GT(twos, kPairs / 20);
-  EXPECT_GT(fours, kPairs / 20);
+  EXPECT_GT(twos, kPairs / 40);
+  EXPECT_GT(fours, kPairs / 40);
   EXPECT_GT(twos + fours, kPairs * 9 / 10);
 }
 
