@@ -17,7 +17,7 @@ constexpr double kZeroShare = 1e-13;
 constexpr double kFlatShare = 0.04;
 // A centre that is this many times farther than the surface and its radius of curvature is not used:
 // g about it loses as many digits as this has.
-constexpr double kFar = 25.0;
+constexpr double kFarFactor = 25.0;
 // A semi-axis is long if the region reaches less than the root of this share of it; two such axes
 // leave a positive height between them.
 constexpr double kLongAxis = 0.4;
@@ -113,7 +113,7 @@ std::optional<Vertex> vertex_of(const Reduced& r, const Vec3& G, double J) {
   if (!(discriminant > 0.0)) return {};
   const double step = -constant / (slope + std::sqrt(discriminant));
   const double radius = largest > 0.0 ? slope / largest : 0.0;
-  if (largest_flat * kFar * (std::abs(step) + radius) > slope) return {};
+  if (largest_flat * kFarFactor * (std::abs(step) + radius) > slope) return {};
   const Vec3 down = step * along;
   return Vertex{r.axes * (y + down), flat + r.lambda.cwiseProduct(down)};
 }

@@ -16,7 +16,7 @@ constexpr double kChartOverlap = 1.0 / 64.0;
 // They begin this share of the height off an end where the radius is zero: an apex has no normal.
 constexpr double kApexShare = 1e-6;
 // A radius below this share of the mean one is zero.
-constexpr double kZeroShare = 1e-13;
+constexpr double kZeroRadius = 1e-13;
 
 // R over height z, R(z) = Σ c_i (z/h)^i.
 struct Profile {
@@ -141,7 +141,7 @@ class Revolution final : public Surface {
 
   double chart_end(double z, double outwards) const {
     const double radius = profile_.radius(z);
-    if (radius <= kZeroShare / scale_) return z - outwards * kApexShare * profile_.h;
+    if (radius <= kZeroRadius / scale_) return z - outwards * kApexShare * profile_.h;
     const double beyond = z + outwards * kChartOverlap * profile_.h;
     return profile_.radius(beyond) > 0.5 * radius ? beyond : z;
   }
@@ -189,7 +189,7 @@ RevolutionResult make_revolution(const Point& origin, const Direction& axis, dou
     if (coefficients[i] != 0.0) profile.c.degree = i;
   }
   // Between the ends the radius is least at an end or where it is stationary.
-  const double zero = kZeroShare * std::max(0.0, profile.mean());
+  const double zero = kZeroRadius * std::max(0.0, profile.mean());
   bool sound =
       profile.mean() > 0.0 && profile.radius(0.0) >= -zero && profile.radius(height) >= -zero;
   for (const double w : turns(profile.c)) {

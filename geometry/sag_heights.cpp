@@ -14,7 +14,7 @@ static_assert(kMinSamples == GridSpline::kMinSamples);
 
 // Charts go on beyond the samples by this share of a cell, so that the edges are cut like an
 // aperture.
-constexpr double kChartOverlap = 0.5;
+constexpr double kBeyondGrid = 0.5;
 // Rounding of a sum of coefficients, as a share of the largest: enclosures are widened by so much,
 // and what is no larger is zero.
 constexpr double kRoundings = 64.0 * kEpsilon;
@@ -199,7 +199,7 @@ class SagHeights final : public SagSurface, public std::enable_shared_from_this<
     return bounds;
   }
   std::vector<Chart> charts(const Extent&) const override {
-    const Vec2 begin = min_ - kChartOverlap * spacing_, end = max_ + kChartOverlap * spacing_;
+    const Vec2 begin = min_ - kBeyondGrid * spacing_, end = max_ + kBeyondGrid * spacing_;
     return {{[=, self = shared_from_this()](double s, double t) {
       const double x = begin.x() + s * (end.x() - begin.x());
       const double y = begin.y() + t * (end.y() - begin.y());

@@ -48,7 +48,7 @@ IntervalVec3 scaled(const Interval& k, const IntervalVec3& a) {
 }
 
 // One segment: unit direction w along the light, and the upper half of (I − wwᵀ)/d.
-struct Span {
+struct EnclosedSegment {
   IntervalVec3 w;
   Interval bend[3][3];
 };
@@ -123,13 +123,13 @@ class Search {
   std::vector<PathBox> proven_;
   // Of the box looked at.
   std::array<SurfaceEnclosure, kMaxPathHops> surface_;
-  std::array<Span, kMaxPathHops + 1> spans_;
+  std::array<EnclosedSegment, kMaxPathHops + 1> spans_;
 };
 
 Interval clipped(const Interval& a) { return geometry::intersection(a, Interval(-1.0, 1.0)); }
 
-Span span_between(const IntervalVec3& a, const IntervalVec3& b) {
-  Span s;
+EnclosedSegment span_between(const IntervalVec3& a, const IntervalVec3& b) {
+  EnclosedSegment s;
   const IntervalVec3 v = subtract(b, a);
   const Interval d = sqrt(geometry::squared_norm(v));
   for (int i = 0; i < 3; ++i) s.w[i] = clipped(v[i] / d);

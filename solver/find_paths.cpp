@@ -14,7 +14,7 @@ constexpr double kReach = 2e3;
 constexpr double kEndShare = 1e-7;
 constexpr double kEndRoundings = 1e3;
 // Light nearer to a surface than this share of the scene is taken to lie on it.
-constexpr double kOnSurfaceShare = 1e-9;
+constexpr double kEndOnSurface = 1e-9;
 // Apertures are closed sets, and points on them are known to rounding.
 constexpr double kApertureSlack = 1e-12;
 
@@ -45,7 +45,7 @@ int lit_side(const SystemSurface& surface, const Light& light, double scale) {
   }
   Vec3 N;
   const double g = surface.shape->value_gradient(point->position, N);
-  if (std::abs(g) <= kOnSurfaceShare * scale * N.norm()) return 0;
+  if (std::abs(g) <= kEndOnSurface * scale * N.norm()) return 0;
   return g > 0.0 ? 1 : -1;
 }
 

@@ -10,8 +10,8 @@ using geometry::Vec2;
 namespace {
 
 // Cells along a chart's side before any refinement, by the number of charts.
-constexpr int kBaseOfOne = 12;
-constexpr int kBaseOfMany = 4;
+constexpr int kGridOfOne = 12;
+constexpr int kGridOfMany = 4;
 // Finest levels, counted from the base: of cells with a fold through p, of those in which rays
 // break off or jump.
 constexpr int kFoldDepth = 20;
@@ -32,20 +32,20 @@ constexpr double kSpreadFactor = 2.0;
 // Rays that lean more than this (cosine) against the middle one say nothing linear.
 constexpr double kLeastCosine = 0.3;
 // The image of a cell reaches beyond its samples by at most this many second differences.
-constexpr double kOvershoot = 1.0;
+constexpr double kImageReach = 1.0;
 // Newton from the cell's linear image converges to its only root where the least stretch exceeds
 // the second differences so many times: Kantorovich's ½ needs 2√2.
 constexpr double kInjective = 3.0;
 // Cells cut off by an aperture: the samples' spread underestimates the radius of curved cells.
-constexpr double kRadiusFactor = 1.3;
+constexpr double kRadiusMargin = 1.3;
 // Work for one point: a scene that needs more is a perfect focus.
 constexpr std::size_t kMaxNewCells = 20000;
 constexpr std::size_t kMaxPaths = 100;
 // Newton's steps, and when one is the last, as a share of the scene: quadratic convergence.
-constexpr int kMaxSteps = 24;
+constexpr int kMaxNewtonSteps = 24;
 constexpr double kLastStep = 1e-9;
 // Roots nearer than this share of the scene are one.
-constexpr double kSameRoot = 1e-8;
+constexpr double kSameSolution = 1e-8;
 
 double max3(double a, double b, double c) { return std::max(a, std::max(b, c)); }
 
@@ -73,7 +73,7 @@ PathSearch::PathSearch(PencilTracer tracer, const geometry::Extent& extent, int 
     : tracer_(std::move(tracer)),
       charts_(tracer_.first().shape->charts(extent)),
       scale_(extent.scale),
-      base_(charts_.size() == 1 ? kBaseOfOne : kBaseOfMany),
+      base_(charts_.size() == 1 ? kGridOfOne : kGridOfMany),
       lit_side_(lit_side) {
   const int size = 1 << kDeepest;
   for (int chart = 0; chart < static_cast<int>(charts_.size()); ++chart) {
@@ -130,14 +130,14 @@ void PathSearch::make(Cell& cell) {
   const auto outside = [&](const std::vector<geometry::Bound>& bounds) {
     return std::any_of(bounds.begin(), bounds.end(), [&](const auto& bound) {
       const Point& middle = samples_[index[4]].x;
-      return bound.lower_bound_within(middle, kRadiusFactor * radius) > 0.0;
+      return bound.lower_bound_within(middle, kRadiusMargin * radius) > 0.0;
     });
   };
   if (outside(*tracer_.first().bounds) || outside(charts_[cell.chart].cell)) return;
   if (valid == 0) {
     const Point& middle = samples_[index[4]].x;
     if (cell.depth >= kSeekDepth || apparent_size(middle, radius) < kSeekShare ||
-        !may_come(middle, kRadiusFactor * radius)) {
+        !may_come(middle, kRadiusMargin * radius)) {
       return;
     }
   }
@@ -265,7 +265,7 @@ bool PathSearch::may_pass(const Cell& cell, const Point& p, Locus& locus) const 
   locus.st = 0.25 * (y[0] - y[2] - y[6] + y[8]).norm();
   locus.b_s = 0.5 * (y[5] - y[3]);
   locus.b_t = 0.5 * (y[7] - y[1]);
-  const double beyond = kOvershoot * (locus.ss + locus.tt);
+  const double beyond = kImageReach * (locus.ss + locus.tt);
   // The image lies between its corners, along any direction, but for what it bends beyond.
   const auto apart = [&](const Vec2& axis) {
     const double at = axis.dot(locus.target), size = beyond * axis.norm();
@@ -298,7 +298,7 @@ void PathSearch::refine(const Point& start, const Point& p, Answer& answer) cons
   Pencil pencil;
   Point x = start, before = start;
   double last = geometry::kInfinity;
-  for (int k = 0; k < kMaxSteps; ++k) {
+  for (int k = 0; k < kMaxNewtonSteps; ++k) {
     if (!x.allFinite()) return;
     if (!tracer_.trace(x, pencil)) {
       // Beyond where the ray still meets every surface: half the way.
@@ -329,7 +329,7 @@ void PathSearch::refine(const Point& start, const Point& p, Answer& answer) cons
     if (size <= kLastStep * scale_ || (size <= 1e-6 * scale_ && size > 0.5 * last)) {
       if (!tracer_.trace(x, pencil) || !(pencil.w.dot(p - pencil.o) > 0.0)) return;
       for (const Pencil& other : answer.pencils) {
-        if ((other.hits[0] - x).norm() <= kSameRoot * scale_) return;
+        if ((other.hits[0] - x).norm() <= kSameSolution * scale_) return;
       }
       answer.pencils.push_back(pencil);
       return;

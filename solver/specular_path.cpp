@@ -14,7 +14,7 @@ constexpr double kStepShare = 0.5;
 // A step below this share of the path's extent is rounding if the next one is not a quarter of it.
 constexpr double kRounding = 1e-9;
 // No step gets smaller than a few roundings of the coordinates.
-constexpr double kLastStep = 4.0 * geometry::kEpsilon;
+constexpr double kRoundingStep = 4.0 * geometry::kEpsilon;
 
 double extent(const SpecularPath& path) {
   double size = 0.0;
@@ -101,7 +101,7 @@ PolishResult polish(const SpecularChain& chain, SpecularPath start) {
       path.lambda[i] += share * step[4 * i + 3];
     }
     const double scale = extent(path);
-    result.converged = share == 1.0 && (size <= kLastStep * scale ||
+    result.converged = share == 1.0 && (size <= kRoundingStep * scale ||
                                         (size <= kRounding * scale && size > 0.25 * last));
     if (result.converged) return result;
     last = size;

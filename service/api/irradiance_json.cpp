@@ -5,6 +5,7 @@
 #include "service/api/family_json.h"
 #include "service/api/json_text.h"
 #include "service/api/scene_json.h"
+#include "service/api/vector_json.h"
 #include "solver/itineraries.h"
 
 namespace caustic::service {
@@ -68,10 +69,6 @@ std::vector<Vec2> read_places(ObjectReader& root, const Scene& scene) {
     faults.add(root.pointer_to("points"), "missing: points or grid");
   }
   return points;
-}
-
-ordered_json vector_json(const geometry::Vec3& v, double scale) {
-  return {v.x() * scale, v.y() * scale, v.z() * scale};
 }
 
 ordered_json sheet_json(const solver::SheetIrradiance& sheet, double metres) {

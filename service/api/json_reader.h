@@ -45,6 +45,8 @@ struct Range {
 constexpr double kMaxMagnitude = 1e30;
 constexpr Range kAnyNumber{-kMaxMagnitude, kMaxMagnitude};
 constexpr Range kPositive{1e-30, kMaxMagnitude};
+/// A direction this close to another (sine of the angle) leaves no plane between the two.
+constexpr double kParallelSine = 1e-9;
 
 /// A value and where it stands.
 struct JsonPlace {

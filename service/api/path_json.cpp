@@ -6,6 +6,7 @@
 #include "service/api/family_json.h"
 #include "service/api/json_text.h"
 #include "service/api/scene_json.h"
+#include "service/api/vector_json.h"
 
 namespace caustic::service {
 namespace {
@@ -15,10 +16,6 @@ using geometry::Point;
 using geometry::Vec3;
 using nlohmann::json;
 using nlohmann::ordered_json;
-
-ordered_json vector_json(const Vec3& v, double scale) {
-  return {v.x() * scale, v.y() * scale, v.z() * scale};
-}
 
 ordered_json points_json(const std::vector<Point>& points, double scale) {
   auto out = ordered_json::array();

@@ -16,8 +16,6 @@ using geometry::Vec3;
 using geometry::XyPolynomial;
 using nlohmann::json;
 
-// Axes this near to parallel, by the sine of their angle, leave y without a direction.
-constexpr double kParallelSine = 1e-9;
 constexpr std::size_t kMaxTerms = 1000;
 constexpr std::size_t kMaxSamples = 4096;  // each way
 

@@ -13,8 +13,6 @@ using geometry::Vec2;
 using geometry::Vec3;
 using nlohmann::json;
 
-/// A direction this close to another (sine of the angle) leaves no plane between the two.
-constexpr double kParallelSine = 1e-9;
 /// Indices of refraction; beyond, Snell's law is all rounding.
 constexpr Range kIndex{1e-3, 1e3};
 

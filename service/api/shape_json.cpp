@@ -161,11 +161,17 @@ SurfacePtr read_expression_shape(const ShapeContext& in) {
 
 using ShapeReader = SurfacePtr (*)(const ShapeContext&);
 
-constexpr std::pair<const char*, ShapeReader> kShapes[] = {
-    {"plane", read_plane},     {"sphere", read_sphere},     {"ellipsoid", read_ellipsoid},
-    {"quadric", read_quadric}, {"cylinder", read_cylinder}, {"cone", read_cone},
-    {"torus", read_torus},     {"conic", read_conic},       {"revolution", read_revolution},
-    {"sag", read_height_field}, {"expression", read_expression_shape}};
+constexpr std::pair<const char*, ShapeReader> kShapes[] = {{"plane", read_plane},
+                                                           {"sphere", read_sphere},
+                                                           {"ellipsoid", read_ellipsoid},
+                                                           {"quadric", read_quadric},
+                                                           {"cylinder", read_cylinder},
+                                                           {"cone", read_cone},
+                                                           {"torus", read_torus},
+                                                           {"conic", read_conic},
+                                                           {"revolution", read_revolution},
+                                                           {"sag", read_height_field},
+                                                           {"expression", read_expression_shape}};
 
 std::vector<std::string> shape_names() {
   std::vector<std::string> names;

@@ -13,7 +13,7 @@ namespace {
 
 using namespace geometry;
 
-constexpr int kPoints = 256;
+constexpr int kMirrorPoints = 256;
 
 const Direction kTilted = Direction(0.1, -0.2, 1.0).normalized();
 
@@ -24,7 +24,7 @@ void forward_map(benchmark::State& state, const SurfacePtr& shape) {
   const solver::ForwardMap map(system, 0, 1);
   test::Random random(1);
   std::vector<Point> points;
-  for (int i = 0; i < kPoints; ++i) {
+  for (int i = 0; i < kMirrorPoints; ++i) {
     points.push_back(map.project(Point(0.0, 0.0, 0.5) + random.in_cube(0.4)));
   }
   Samples evaluate, arrival;
@@ -36,8 +36,8 @@ void forward_map(benchmark::State& state, const SurfacePtr& shape) {
       for (const Point& x : points) benchmark::DoNotOptimize(map.evaluate(x));
     });
   }
-  state.counters["arrival_ns"] = 1e9 * arrival.min() / kPoints;
-  state.counters["evaluate_ns"] = 1e9 * evaluate.min() / kPoints;
+  state.counters["arrival_ns"] = 1e9 * arrival.min() / kMirrorPoints;
+  state.counters["evaluate_ns"] = 1e9 * evaluate.min() / kMirrorPoints;
   state.counters["ratio"] = evaluate.min() / arrival.min();
 }
 

@@ -16,7 +16,7 @@ namespace {
 
 using namespace geometry;
 
-constexpr int kPoints = 256;
+constexpr int kSurfacePoints = 256;
 
 SurfacePtr vase() {
   return make_revolution(Point(0, 0, -1), {0, 0, 1}, 2.0, {0.47, 3.90, -9.78, 5.80}).surface;
@@ -50,7 +50,7 @@ SurfacePtr heights(int n) { return make_sag(Point::Zero(), Mat3::Identity(), wav
 void shape(benchmark::State& state, const SurfacePtr& surface) {
   test::Random random(1);
   const auto points =
-      test::sample_surface(*surface, test::extent_about(Point::Zero(), 1.2), kPoints, random);
+      test::sample_surface(*surface, test::extent_about(Point::Zero(), 1.2), kSurfacePoints, random);
   std::vector<Ray> rays, misses;
   for (const Point& x : points) {
     rays.push_back({x + 5.0 * Vec3(0.3, 0.2, 1.0), -5.0 * Vec3(0.3, 0.2, 1.0)});
@@ -80,10 +80,10 @@ void shape(benchmark::State& state, const SurfacePtr& surface) {
       }
     });
   }
-  state.counters["derivatives_ns"] = 1e9 * derivatives.min() / kPoints;
-  state.counters["third_ns"] = 1e9 * third.min() / kPoints;
-  state.counters["crossings_ns"] = 1e9 * crossings.min() / kPoints;
-  state.counters["stationary_ns"] = 1e9 * stationary.min() / kPoints;
+  state.counters["derivatives_ns"] = 1e9 * derivatives.min() / kSurfacePoints;
+  state.counters["third_ns"] = 1e9 * third.min() / kSurfacePoints;
+  state.counters["crossings_ns"] = 1e9 * crossings.min() / kSurfacePoints;
+  state.counters["stationary_ns"] = 1e9 * stationary.min() / kSurfacePoints;
 }
 BENCHMARK_CAPTURE(shape, asphere, make_conic(Point::Zero(), {0, 0, 1}, 2.0, -0.8, {0.01, -0.002}));
 BENCHMARK_CAPTURE(shape, vase, vase());

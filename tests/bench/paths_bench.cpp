@@ -16,7 +16,7 @@ namespace {
 using geometry::Vec2;
 using solver::OpticalSystem;
 
-constexpr int kPoints = 10000;
+constexpr int kReceiverPoints = 10000;
 
 OpticalSystem scene(geometry::SurfacePtr shape, const geometry::Point& light, double height) {
   return test::one_mirror(solver::PointLight{light, 1.0}, std::move(shape),
@@ -35,7 +35,7 @@ std::vector<geometry::Point> places(const OpticalSystem& system) {
   test::Random random(1);
   std::vector<geometry::Point> points;
   const Vec2 half = system.receiver().half;
-  for (int k = 0; k < kPoints; ++k) {
+  for (int k = 0; k < kReceiverPoints; ++k) {
     const double u = random.uniform(-1, 1), v = random.uniform(-1, 1);
     points.push_back(system.receiver().point({u * half.x(), v * half.y()}));
   }
@@ -56,8 +56,8 @@ void paths_to_points(benchmark::State& state, OpticalSystem (*make)()) {
     const std::chrono::duration<double> time = std::chrono::steady_clock::now() - begin;
     best = std::min(best, time.count());
   }
-  state.counters["us_per_point"] = 1e6 * best / kPoints;
-  state.counters["paths_per_point"] = static_cast<double>(paths) / kPoints;
+  state.counters["us_per_point"] = 1e6 * best / kReceiverPoints;
+  state.counters["paths_per_point"] = static_cast<double>(paths) / kReceiverPoints;
 }
 BENCHMARK_CAPTURE(paths_to_points, ball, ball)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(paths_to_points, bowl, bowl)->Unit(benchmark::kMillisecond);

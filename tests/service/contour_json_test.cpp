@@ -4,6 +4,7 @@
 
 #include "service/api/identity.h"
 #include "service/api/problem.h"
+#include "tests/support/faults.h"
 #include "tests/support/requests.h"
 
 namespace caustic::service {
@@ -11,19 +12,9 @@ namespace {
 
 using nlohmann::json;
 using test::ball_request;
+using test::pointers_of;
 
 std::string id_of(const json& request) { return read_contour_call(request.dump()).id; }
-
-std::vector<std::string> pointers_of(const json& request) {
-  try {
-    read_contour_call(request.dump());
-  } catch (const ProblemError& error) {
-    std::vector<std::string> out;
-    for (const Fault& fault : error.problem().errors) out.push_back(fault.pointer);
-    return out;
-  }
-  return {};
-}
 
 using Pointers = std::vector<std::string>;
 

@@ -5,6 +5,7 @@
 
 #include "service/api/contour_json.h"
 #include "service/api/problem.h"
+#include "tests/support/faults.h"
 #include "tests/support/requests.h"
 
 namespace caustic::service {
@@ -25,27 +26,14 @@ json heights(std::size_t nx, std::size_t ny) {
 }
 
 /// Pointers within the shape → details.
-std::map<std::string, std::string> faults_of(const json& shape) {
+std::map<std::string, std::string> shape_faults(const json& shape) {
   json request = test::ball_request();
   test::surface(request)["shape"] = shape;
-  std::map<std::string, std::string> out;
-  try {
-    read_contour_call(request.dump());
-  } catch (const ProblemError& error) {
-    EXPECT_EQ(error.problem().status, 422);
-    const std::string prefix = "/scene/surfaces/0/shape";
-    for (const Fault& fault : error.problem().errors) {
-      EXPECT_TRUE(fault.pointer.starts_with(prefix)) << fault.pointer;
-      out[fault.pointer.substr(prefix.size())] = fault.detail;
-    }
-  }
-  return out;
+  return test::faults_of(request, "/scene/surfaces/0/shape");
 }
 
-std::vector<std::string> pointers_of(const json& shape) {
-  std::vector<std::string> out;
-  for (const auto& [pointer, detail] : faults_of(shape)) out.push_back(pointer);
-  return out;
+std::vector<std::string> faulty_members(const json& shape) {
+  return test::pointers_of(shape_faults(shape));
 }
 
 using Pointers = std::vector<std::string>;
@@ -53,38 +41,39 @@ using Pointers = std::vector<std::string>;
 TEST(SagJson, refuses_faulty_frames_and_kinds) {
   json shape = heights(6, 6);
   shape["y_axis"] = {-2, 0, 0};
-  EXPECT_EQ(faults_of(shape),
+  EXPECT_EQ(shape_faults(shape),
             (std::map<std::string, std::string>{{"/y_axis", "must not be parallel to x_axis"}}));
-  EXPECT_EQ(pointers_of(sag(R"({"kind":"waves"})")), Pointers{"/kind"});
-  EXPECT_EQ(pointers_of(sag("{}")), Pointers{"/kind"});
-  EXPECT_EQ(pointers_of(json::parse(R"({"type":"sag"})")),
+  EXPECT_EQ(faulty_members(sag(R"({"kind":"waves"})")), Pointers{"/kind"});
+  EXPECT_EQ(faulty_members(sag("{}")), Pointers{"/kind"});
+  EXPECT_EQ(faulty_members(json::parse(R"({"type":"sag"})")),
             (Pointers{"/kind", "/origin", "/x_axis", "/y_axis"}));
-  EXPECT_EQ(pointers_of(sag(R"({"kind":"heights"})")), (Pointers{"/values", "/x", "/y"}));
-  EXPECT_EQ(pointers_of(sag(R"({"kind":"xy_polynomial"})")), Pointers{"/terms"});
-  EXPECT_EQ(pointers_of(sag(R"({"kind":"zernike"})")), (Pointers{"/coefficients", "/norm_radius"}));
-  EXPECT_EQ(pointers_of(sag(R"({"kind":"xy_polynomial","terms":[],"norm_radius":1})")),
+  EXPECT_EQ(faulty_members(sag(R"({"kind":"heights"})")), (Pointers{"/values", "/x", "/y"}));
+  EXPECT_EQ(faulty_members(sag(R"({"kind":"xy_polynomial"})")), Pointers{"/terms"});
+  EXPECT_EQ(faulty_members(sag(R"({"kind":"zernike"})")),
+            (Pointers{"/coefficients", "/norm_radius"}));
+  EXPECT_EQ(faulty_members(sag(R"({"kind":"xy_polynomial","terms":[],"norm_radius":1})")),
             Pointers{"/norm_radius"});
 }
 
 TEST(SagJson, refuses_faulty_polynomials) {
-  EXPECT_EQ(pointers_of(sag(R"({"kind":"xy_polynomial","terms":[
+  EXPECT_EQ(faulty_members(sag(R"({"kind":"xy_polynomial","terms":[
               {"i":0,"j":-1,"c":1}, {"i":1.5,"j":0,"c":1}, {"i":11,"j":10,"c":1},
               {"i":21,"j":0,"c":1}, {"i":1,"j":1,"c":"x"}, {"i":1,"j":1}, {"i":1,"j":1,"c":1,"k":2}, 3]})")),
             (Pointers{"/terms/0/j", "/terms/1/i", "/terms/2", "/terms/3/i", "/terms/4/c",
                       "/terms/5/c", "/terms/6/k", "/terms/7"}));
   EXPECT_EQ(
-      pointers_of(sag(R"({"kind":"zernike","norm_radius":0,"coefficients":{
+      faulty_members(sag(R"({"kind":"zernike","norm_radius":0,"coefficients":{
               "-1":0, "231":0, "04":0, "1e1":0, "a/b":0, "4":null, "3":0.1}})")),
       (Pointers{"/coefficients/-1", "/coefficients/04", "/coefficients/1e1", "/coefficients/231",
                 "/coefficients/4", "/coefficients/a~1b", "/norm_radius"}));
-  EXPECT_EQ(pointers_of(sag(R"({"kind":"zernike","norm_radius":1,"coefficients":[0.1]})")),
+  EXPECT_EQ(faulty_members(sag(R"({"kind":"zernike","norm_radius":1,"coefficients":[0.1]})")),
             Pointers{"/coefficients"});
 }
 
 TEST(SagJson, refuses_faulty_heights) {
-  EXPECT_EQ(pointers_of(heights(6, 7)), Pointers{});
-  EXPECT_EQ(pointers_of(heights(5, 6)), Pointers{"/values/0"});
-  EXPECT_EQ(pointers_of(heights(6, 5)), Pointers{"/values"});
+  EXPECT_EQ(faulty_members(heights(6, 7)), Pointers{});
+  EXPECT_EQ(faulty_members(heights(5, 6)), Pointers{"/values/0"});
+  EXPECT_EQ(faulty_members(heights(6, 5)), Pointers{"/values"});
   json shape = heights(8, 6);
   shape["x"] = {1, 1};
   shape["y"] = {2, -2};
@@ -92,12 +81,12 @@ TEST(SagJson, refuses_faulty_heights) {
   shape["values"][2] = "row";
   shape["values"][3][4] = nullptr;
   shape["values"][5][7] = 1e31;
-  EXPECT_EQ(pointers_of(shape),
+  EXPECT_EQ(faulty_members(shape),
             (Pointers{"/values/1", "/values/2", "/values/3/4", "/values/5/7", "/x", "/y"}));
   shape = heights(6, 6);
   shape["x"] = {0, 1, 2};
   shape["values"] = 7;
-  EXPECT_EQ(pointers_of(shape), (Pointers{"/values", "/x"}));
+  EXPECT_EQ(faulty_members(shape), (Pointers{"/values", "/x"}));
 }
 
 // Rows go along x; the frame is right-handed whatever the length and the angle of y_axis.

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "service/api/contour_json.h"
+#include "tests/support/faults.h"
 #include "tests/support/requests.h"
 
 namespace caustic::service {
@@ -12,25 +13,9 @@ namespace {
 
 using nlohmann::json;
 using test::ball_request;
+using test::faults_of;
+using test::pointers_of;
 using test::surface;
-
-/// Pointer → detail of every fault of a request.
-std::map<std::string, std::string> faults_of(const json& request) {
-  std::map<std::string, std::string> out;
-  try {
-    read_contour_call(request.dump());
-  } catch (const ProblemError& error) {
-    EXPECT_EQ(error.problem().status, 422);
-    for (const Fault& fault : error.problem().errors) out[fault.pointer] = fault.detail;
-  }
-  return out;
-}
-
-std::vector<std::string> pointers_of(const json& request) {
-  std::vector<std::string> out;
-  for (const auto& [pointer, detail] : faults_of(request)) out.push_back(pointer);
-  return out;
-}
 
 using Pointers = std::vector<std::string>;
 
@@ -278,7 +263,8 @@ TEST(SceneJson, converts_lengths_once) {
 TEST(SceneJson, reads_apertures_by_expression) {
   json request = ball_request();
   request["scene"]["length_unit"] = "cm";
-  surface(request)["aperture"] = json::parse(R"~([{"type":"expression","expression":"x^2+y^2-0.25"}])~");
+  surface(request)["aperture"] =
+      json::parse(R"~([{"type":"expression","expression":"x^2+y^2-0.25"}])~");
   const ContourCall call = read_contour_call(request.dump());
   const auto& bounds = call.system.surfaces()[0].bounds;
   for (const double r : {0.49, 0.51})

@@ -16,14 +16,14 @@ namespace {
 using test::Random;
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr int kPairs = 5;
+constexpr int kCertifiedPairs = 5;
 #else
-constexpr int kPairs = 40;  // 1000 by ISOCAUSTIC_PAIRS=1000
+constexpr int kCertifiedPairs = 40;  // 1000 by ISOCAUSTIC_PAIRS=1000
 #endif
 
 int pairs() {
   const char* wanted = std::getenv("ISOCAUSTIC_PAIRS");
-  return wanted ? std::atoi(wanted) : kPairs;
+  return wanted ? std::atoi(wanted) : kCertifiedPairs;
 }
 
 struct Agreement {

@@ -27,7 +27,8 @@ std::vector<const Curve*> curves_of(const ContourResult& r, CurveKind kind, doub
   return found;
 }
 
-// ---- Sphere --------------------------------------------------------------------------------------
+// ---- Sphere
+// --------------------------------------------------------------------------------------
 
 OpticalSystem case_A1() {
   return one_mirror(PointLight{{0, 0, 4}, 1.0}, geometry::make_sphere(Point::Zero(), 1.0),
@@ -51,7 +52,8 @@ struct A1Profile {
   static long double irradiance(long double theta) {
     const long double h = 1e-5L;
     const long double slope = (8 * (radius(theta + h) - radius(theta - h)) -
-                               (radius(theta + 2 * h) - radius(theta - 2 * h))) / (12 * h);
+                               (radius(theta + 2 * h) - radius(theta - 2 * h))) /
+                              (12 * h);
     const long double dx = sinl(theta), dz = cosl(theta) - 4.0L, d2 = dx * dx + dz * dz;
     const long double cosine = (4.0L * cosl(theta) - 1.0L) / sqrtl(d2);
     return cosine / d2 * sinl(theta) / (radius(theta) * fabsl(slope));
@@ -101,7 +103,10 @@ TEST(CaseA2, VerticesAgainstFiftyDigits) {
   test::expect_sound(system, result, 1e-9, "A2");
   const test::ReferenceScene reference{
       .shape = {.name = "ball", .kind = test::ShapeSpec::Kind::sphere, .radius = 1.0},
-      .side = 1, .reflectance = 1.0, .light = system.light(), .receiver = system.receiver()};
+      .side = 1,
+      .reflectance = 1.0,
+      .light = system.light(),
+      .receiver = system.receiver()};
   EXPECT_GE(result.curves.size(), 3u);
   for (const Curve& c : result.curves) {
     EXPECT_EQ(c.kind, CurveKind::isolux);  // a convex mirror has no caustic
@@ -114,7 +119,8 @@ TEST(CaseA2, VerticesAgainstFiftyDigits) {
   }
 }
 
-// ---- Cylinder ------------------------------------------------------------------------------------
+// ---- Cylinder
+// ------------------------------------------------------------------------------------
 
 struct NephroidCase {
   double slope = 1.0;  // of the light, vertical over horizontal
@@ -162,10 +168,10 @@ TEST(Nephroid, EveryVertexTheCuspAndTheEnds) {
 
 TEST(Cardioid, SourceOnTheWall) {
   for (const double height : {2.0, 0.8}) {
-    const auto system = one_mirror(
-        PointLight{{1, 0, height}, 1.0}, geometry::make_cylinder(Point::Zero(), {0, 0, 1}, 1.0),
-        floor_at(Point::Zero(), 3, 3),
-        geometry::box_aperture({-1.001, -1.001, 0}, {0.9, 1.001, 3}));
+    const auto system = one_mirror(PointLight{{1, 0, height}, 1.0},
+                                   geometry::make_cylinder(Point::Zero(), {0, 0, 1}, 1.0),
+                                   floor_at(Point::Zero(), 3, 3),
+                                   geometry::box_aperture({-1.001, -1.001, 0}, {0.9, 1.001, 3}));
     ContourRequest request;
     request.isolux = false;
     const auto result = trace_contours(system, request);
@@ -177,8 +183,8 @@ TEST(Cardioid, SourceOnTheWall) {
     double nearest_to_cusp = 1.0;
     for (const CurveVertex& v : c.vertices) {
       const double phi = std::atan2(v.x.y(), v.x.x());
-      const Vec2 known = Vec2(2 * std::cos(phi) + std::cos(2 * phi),
-                              2 * std::sin(phi) + std::sin(2 * phi)) / 3.0;
+      const Vec2 known =
+          Vec2(2 * std::cos(phi) + std::cos(2 * phi), 2 * std::sin(phi) + std::sin(2 * phi)) / 3.0;
       EXPECT_NEAR((v.uv - known).norm(), 0.0, 1e-9) << "phi " << phi;
       EXPECT_NEAR(v.x.z(), 0.25 * height, 1e-9);
       nearest_to_cusp = std::min(nearest_to_cusp, (v.uv - Vec2(-1.0 / 3.0, 0)).norm());
@@ -189,7 +195,8 @@ TEST(Cardioid, SourceOnTheWall) {
   }
 }
 
-// ---- Plane and paraboloid ------------------------------------------------------------------------
+// ---- Plane and paraboloid
+// ------------------------------------------------------------------------
 
 TEST(PlaneMirror, CirclesAboutTheFootOnAnyReceiver) {
   Random random(11);
@@ -230,11 +237,11 @@ TEST(Paraboloid, CirclesOfABeam) {
   const auto system = one_mirror(
       PointLight{{0, 0, focal}, 2.0},
       geometry::make_conic(Point::Zero(), Vec3::UnitZ(), 2.0 * focal, -1.0, {}),
-      floor_at({0, 0, 5}, 4, 4),
-      {geometry::cylinder_aperture(Point::Zero(), {0, 0, 1}, 1.9)});
+      floor_at({0, 0, 5}, 4, 4), {geometry::cylinder_aperture(Point::Zero(), {0, 0, 1}, 1.9)});
   ContourRequest request;
   for (const double r : {0.2, 0.9, 1.5, 1.85}) {
-    request.levels.values.push_back(2.0 * 16 * focal * focal / std::pow(4 * focal * focal + r * r, 2));
+    request.levels.values.push_back(2.0 * 16 * focal * focal /
+                                    std::pow(4 * focal * focal + r * r, 2));
   }
   const auto result = trace_contours(system, request);
   test::expect_sound(system, result, 1e-9, "paraboloid");
@@ -248,7 +255,8 @@ TEST(Paraboloid, CirclesOfABeam) {
   }
 }
 
-// ---- Energy --------------------------------------------------------------------------------------
+// ---- Energy
+// --------------------------------------------------------------------------------------
 
 // Gauss–Legendre nodes and weights on [0, 1].
 std::vector<std::pair<double, double>> gauss(int n) {
@@ -296,25 +304,29 @@ struct EnergyCase {
 TEST(Energy, IrradianceOnTheReceiverIsFluxOnTheMirror) {
   const Point source(0.3, 0.2, 4);
   std::vector<EnergyCase> cases;
-  cases.push_back({"sphere", one_mirror(PointLight{source, 2.0},
-                                        geometry::make_sphere(Point::Zero(), 1.0),
-                                        floor_at({0.5, -0.3, 6}, 5, 4), {}, 0.9),
-                   1, {0, 0, 1}});
-  cases.push_back({"ellipsoid", one_mirror(PointLight{source, 2.0},
-                                           geometry::make_ellipsoid(Point::Zero(), {1.5, 0.8, 1.0},
-                                                                    geometry::Mat3::Identity()),
-                                           floor_at({0.5, -0.3, 6}, 5, 4), {}, 0.9),
-                   1, {0, 0, 1}});
-  cases.push_back({"paraboloid", one_mirror(PointLight{{0.05, 0.02, 0.5}, 2.0},
-                                            geometry::make_conic(Point::Zero(), {0, 0, 1}, 1.4, -1,
-                                                                 {}),
-                                            floor_at({0.2, 0, 2}, 1.6, 1.2), {}, 0.9),
+  cases.push_back({"sphere",
+                   one_mirror(PointLight{source, 2.0}, geometry::make_sphere(Point::Zero(), 1.0),
+                              floor_at({0.5, -0.3, 6}, 5, 4), {}, 0.9),
+                   1,
+                   {0, 0, 1}});
+  cases.push_back({"ellipsoid",
+                   one_mirror(PointLight{source, 2.0},
+                              geometry::make_ellipsoid(Point::Zero(), {1.5, 0.8, 1.0},
+                                                       geometry::Mat3::Identity()),
+                              floor_at({0.5, -0.3, 6}, 5, 4), {}, 0.9),
+                   1,
+                   {0, 0, 1}});
+  cases.push_back({"paraboloid",
+                   one_mirror(PointLight{{0.05, 0.02, 0.5}, 2.0},
+                              geometry::make_conic(Point::Zero(), {0, 0, 1}, 1.4, -1, {}),
+                              floor_at({0.2, 0, 2}, 1.6, 1.2), {}, 0.9),
                    1, Point::Zero()});
-  cases.push_back({"asphere", one_mirror(PointLight{{0.05, 0.02, 0.5}, 2.0},
-                                         geometry::make_conic(Point::Zero(), {0, 0, 1}, 1.4, -1,
-                                                              {0.03, -0.01}),
-                                         floor_at({0.2, 0, 2}, 1.6, 1.2), {}, 0.9),
-                   1, Point::Zero()});
+  cases.push_back(
+      {"asphere",
+       one_mirror(PointLight{{0.05, 0.02, 0.5}, 2.0},
+                  geometry::make_conic(Point::Zero(), {0, 0, 1}, 1.4, -1, {0.03, -0.01}),
+                  floor_at({0.2, 0, 2}, 1.6, 1.2), {}, 0.9),
+       1, Point::Zero()});
   for (EnergyCase& c : cases) {
     const ForwardMap map(c.system, 0, c.side);
     const auto& receiver = c.system.receiver();

@@ -19,10 +19,10 @@ namespace {
 using geometry::kPi;
 using geometry::Point;
 using geometry::ReceiverFrame;
-using test::floor_at;
-using test::one_mirror;
 using geometry::Vec2;
 using geometry::Vec3;
+using test::floor_at;
+using test::one_mirror;
 using test::Random;
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -39,13 +39,14 @@ bool warned(const ContourResult& r, const std::string& code) {
 }
 
 OpticalSystem small_torus(double size = 1.0) {
-  return one_mirror(PointLight{size * Point(0.4, -0.3, 2.0), size * size},
-                    geometry::make_torus(Point::Zero(), Vec3(0.1, 0.2, 1.0).normalized(),
-                                         size * 1.0, size * 0.4),
-                    floor_at({0, 0, -1.5 * size}, 6 * size, 5 * size));
+  return one_mirror(
+      PointLight{size * Point(0.4, -0.3, 2.0), size * size},
+      geometry::make_torus(Point::Zero(), Vec3(0.1, 0.2, 1.0).normalized(), size * 1.0, size * 0.4),
+      floor_at({0, 0, -1.5 * size}, 6 * size, 5 * size));
 }
 
-// ---- Soundness -----------------------------------------------------------------------------------
+// ---- Soundness
+// -----------------------------------------------------------------------------------
 
 TEST(RandomScenes, AreTracedSoundlyAndInTime) {
   for (int seed = 0; seed < kScenes; ++seed) {
@@ -63,9 +64,13 @@ TEST(RandomScenes, VerticesAgainstFiftyDigits) {
   Random random(21);
   int checked = 0;
   for (const auto& spec : test::shape_zoo()) {
-    test::ReferenceScene reference{.shape = spec, .side = 1, .reflectance = 0.8, .light = {},
-                                   .receiver = ReceiverFrame::make(random.in_cube(2.0), random.direction(),
-                                                                   random.direction(), {6, 5})};
+    test::ReferenceScene reference{
+        .shape = spec,
+        .side = 1,
+        .reflectance = 0.8,
+        .light = {},
+        .receiver = ReceiverFrame::make(random.in_cube(2.0), random.direction(), random.direction(),
+                                        {6, 5})};
     reference.light = CollimatedLight{random.direction(), 2.0};
     if (random.index(2) == 0) reference.light = PointLight{random.in_cube(2.0), 2.0};
     const auto system = OpticalSystem::build(
@@ -83,7 +88,8 @@ TEST(RandomScenes, VerticesAgainstFiftyDigits) {
             1e-14 * (1.0 + r.curvature) * (r.scale_of_a + r.grad_a.norm()) / std::abs(r.a);
         // Negative where the light is on the other side, for which the reference was not asked.
         EXPECT_NEAR(std::abs(test::reference_irradiance(reference, x)) / c.level, 1.0,
-                    1e-9 + conditioning) << spec.name;
+                    1e-9 + conditioning)
+            << spec.name;
         ++checked;
       }
     }
@@ -91,7 +97,8 @@ TEST(RandomScenes, VerticesAgainstFiftyDigits) {
   EXPECT_GT(checked, 5500 / kStride);
 }
 
-// ---- The chord -----------------------------------------------------------------------------------
+// ---- The chord
+// -----------------------------------------------------------------------------------
 
 TEST(Chord, PolylinesStayWithinTheTolerance) {
   int curves = 0;
@@ -113,7 +120,8 @@ TEST(Chord, PolylinesStayWithinTheTolerance) {
   EXPECT_GT(curves, 3 * kScenes);
 }
 
-// ---- Determinism ---------------------------------------------------------------------------------
+// ---- Determinism
+// ---------------------------------------------------------------------------------
 
 void expect_identical(const ContourResult& a, const ContourResult& b) {
   ASSERT_EQ(a.curves.size(), b.curves.size());
@@ -145,7 +153,8 @@ TEST(Determinism, ThreadsAndRepetitionChangeNothing) {
   }
 }
 
-// ---- Scale ---------------------------------------------------------------------------------------
+// ---- Scale
+// ---------------------------------------------------------------------------------------
 
 TEST(Scale, ScaledScenesGiveScaledCurves) {
   ContourRequest request;
@@ -167,10 +176,11 @@ TEST(Scale, ScaledScenesGiveScaledCurves) {
   }
 }
 
-// ---- Completeness --------------------------------------------------------------------------------
+// ---- Completeness
+// --------------------------------------------------------------------------------
 
-// Every place where a fine grid on the mirror crosses a level must lie on a traced curve of that level
-// and parity.
+// Every place where a fine grid on the mirror crosses a level must lie on a traced curve of that
+// level and parity.
 TEST(Completeness, NothingThatAFineGridShowsIsMissing) {
   int places = 0;
   for (int seed = 0; seed < kScenes; ++seed) {
@@ -184,8 +194,8 @@ TEST(Completeness, NothingThatAFineGridShowsIsMissing) {
       for (const int side : {1, -1}) {
         for (const int parity : {1, -1}) {
           for (const double level : result.levels) {
-            const auto grid = test::points_on_grid(scene.system, family.surfaces[0], side, level,
-                                                   parity, kGrid);
+            const auto grid =
+                test::points_on_grid(scene.system, family.surfaces[0], side, level, parity, kGrid);
             int missed = 0;
             Vec2 example = Vec2::Zero();
             for (const FieldPoint& f : grid) {
@@ -197,8 +207,8 @@ TEST(Completeness, NothingThatAFineGridShowsIsMissing) {
               ++places;
               if (least > 1.5e-4 * scene.system.receiver().width()) ++missed, example = f.q;
             }
-            EXPECT_EQ(missed, 0) << scene.description << ", family " << family.id << " side " << side
-                                 << " level " << level << " parity " << parity << ": of "
+            EXPECT_EQ(missed, 0) << scene.description << ", family " << family.id << " side "
+                                 << side << " level " << level << " parity " << parity << ": of "
                                  << grid.size() << ", such as " << example.transpose();
           }
         }
@@ -208,7 +218,8 @@ TEST(Completeness, NothingThatAFineGridShowsIsMissing) {
   EXPECT_GT(places, 10 * kScenes);
 }
 
-// ---- Nothing to trace, or too much ---------------------------------------------------------------
+// ---- Nothing to trace, or too much
+// ---------------------------------------------------------------
 
 // Answers within the limits with finite numbers; returns the result.
 ContourResult answer(const OpticalSystem& system, const std::string& what,
@@ -227,7 +238,8 @@ ContourResult answer(const OpticalSystem& system, const std::string& what,
     for (const CurveVertex& v : c.vertices) {
       EXPECT_TRUE(v.uv.allFinite() && v.p.allFinite() && v.x.allFinite() &&
                   std::isfinite(v.irradiance) && std::isfinite(v.residual) &&
-                  v.gradient.allFinite() && std::isfinite(v.arc_length)) << what;
+                  v.gradient.allFinite() && std::isfinite(v.arc_length))
+          << what;
     }
   }
   return result;
@@ -253,14 +265,16 @@ TEST(Degenerate, EllipsoidFromFocusToFocus) {
   }
   // Nearly: the light 1e-9 off the focus.
   answer(one_mirror(PointLight{{-c + 1e-9, 0, 0}, 1.0}, shape,
-                    ReceiverFrame::make({c, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1})), "near focus");
+                    ReceiverFrame::make({c, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1})),
+         "near focus");
 }
 
 TEST(Degenerate, ParaboloidFocusesABeam) {
   const auto shape = geometry::make_conic(Point::Zero(), {0, 0, 1}, 2.0, -1.0, {});
-  const auto result = answer(
-      one_mirror(CollimatedLight{{0, 0, -1}, 1.0}, shape, floor_at({0, 0, 1}, 1, 1),
-                 {geometry::cylinder_aperture(Point::Zero(), {0, 0, 1}, 1.0)}), "focused beam");
+  const auto result =
+      answer(one_mirror(CollimatedLight{{0, 0, -1}, 1.0}, shape, floor_at({0, 0, 1}, 1, 1),
+                        {geometry::cylinder_aperture(Point::Zero(), {0, 0, 1}, 1.0)}),
+             "focused beam");
   EXPECT_TRUE(result.complete);
   EXPECT_TRUE(result.curves.empty());
   EXPECT_TRUE(warned(result, "degenerate_family"));
@@ -269,17 +283,19 @@ TEST(Degenerate, ParaboloidFocusesABeam) {
 TEST(Degenerate, CylinderFocusesIntoALine) {
   // A parabolic trough: all light goes through a line of the receiver.
   const auto trough = geometry::make_quadric({1, 0, 0, 0, 0, 0, 0, 0, -2.0, 0}, {}).surface;
-  const auto result = answer(
-      one_mirror(CollimatedLight{{0, 0, -1}, 1.0}, trough, floor_at({0, 0, 1}, 1, 1),
-                 geometry::box_aperture({-1, -1, -1}, {1, 1, 1})), "trough");
+  const auto result =
+      answer(one_mirror(CollimatedLight{{0, 0, -1}, 1.0}, trough, floor_at({0, 0, 1}, 1, 1),
+                        geometry::box_aperture({-1, -1, -1}, {1, 1, 1})),
+             "trough");
   EXPECT_TRUE(result.complete);
   EXPECT_TRUE(warned(result, "degenerate_family"));
 }
 
 TEST(Degenerate, UniformIrradiance) {
-  const auto result = answer(
-      one_mirror(CollimatedLight{Vec3(0.3, 0, -1).normalized(), 2.0},
-                 geometry::make_plane(Point::Zero(), {0, 0, 1}), floor_at({0, 0, 3}, 2, 2)), "uniform");
+  const auto result =
+      answer(one_mirror(CollimatedLight{Vec3(0.3, 0, -1).normalized(), 2.0},
+                        geometry::make_plane(Point::Zero(), {0, 0, 1}), floor_at({0, 0, 3}, 2, 2)),
+             "uniform");
   EXPECT_TRUE(result.complete);
   EXPECT_TRUE(result.curves.empty());
   EXPECT_TRUE(warned(result, "uniform_irradiance"));
@@ -287,33 +303,36 @@ TEST(Degenerate, UniformIrradiance) {
 
 TEST(Degenerate, LightOnAMirror) {
   const auto receiver = floor_at({0, 0, 3}, 4, 4);
-  // So near that rounding of the mirror's points makes up much of the light's distance, all that can
-  // be asked is an answer.
+  // So near that rounding of the mirror's points makes up much of the light's distance, all that
+  // can be asked is an answer.
   for (const double height : {0.0, 1e-14, 1e-9, -1e-9, 1e-3}) {
-    answer(one_mirror(PointLight{{0, 0, 1 + height}, 1.0}, geometry::make_sphere(Point::Zero(), 1.0),
-                      receiver), "on a sphere " + std::to_string(height));
+    answer(one_mirror(PointLight{{0, 0, 1 + height}, 1.0},
+                      geometry::make_sphere(Point::Zero(), 1.0), receiver),
+           "on a sphere " + std::to_string(height));
     answer(one_mirror(PointLight{{0.2, 0.1, height}, 1.0},
                       geometry::make_plane(Point::Zero(), {0, 0, 1}), receiver),
            "on a plane " + std::to_string(height));
-    answer(one_mirror(PointLight{{1.0 + height, 0, 0.5}, 1.0},
-                      geometry::make_cylinder(Point::Zero(), {0, 0, 1}, 1.0),
-                      floor_at(Point::Zero(), 3, 3), geometry::box_aperture({-2, -2, 0}, {2, 2, 1})),
-           "on a cylinder " + std::to_string(height));
+    answer(
+        one_mirror(PointLight{{1.0 + height, 0, 0.5}, 1.0},
+                   geometry::make_cylinder(Point::Zero(), {0, 0, 1}, 1.0),
+                   floor_at(Point::Zero(), 3, 3), geometry::box_aperture({-2, -2, 0}, {2, 2, 1})),
+        "on a cylinder " + std::to_string(height));
   }
 }
 
 TEST(Degenerate, LightInsideAMirror) {
   const auto sphere = geometry::make_sphere(Point::Zero(), 1.0);
   // Receiver outside: the sphere itself hides it.
-  const auto outside =
-      sound_answer(one_mirror(PointLight{{0.3, 0, 0}, 1.0}, sphere, floor_at({0, 0, 3}, 4, 4)), "closed");
+  const auto outside = sound_answer(
+      one_mirror(PointLight{{0.3, 0, 0}, 1.0}, sphere, floor_at({0, 0, 3}, 4, 4)), "closed");
   EXPECT_TRUE(outside.curves.empty());
   EXPECT_TRUE(warned(outside, "unlit_family"));
-  const auto inside =
-      sound_answer(one_mirror(PointLight{{0.3, 0, 0.2}, 1.0}, sphere, floor_at({0, 0, -0.3}, 1, 1)), "inside");
+  const auto inside = sound_answer(
+      one_mirror(PointLight{{0.3, 0, 0.2}, 1.0}, sphere, floor_at({0, 0, -0.3}, 1, 1)), "inside");
   EXPECT_FALSE(inside.curves.empty());
   // At the centre every ray comes back: E is a point's again.
-  answer(one_mirror(PointLight{Point::Zero(), 1.0}, sphere, floor_at({0, 0, -0.3}, 1, 1)), "centre");
+  answer(one_mirror(PointLight{Point::Zero(), 1.0}, sphere, floor_at({0, 0, -0.3}, 1, 1)),
+         "centre");
   answer(one_mirror(PointLight{Point::Zero(), 1.0}, sphere, floor_at(Point::Zero(), 1, 1)),
          "centre on the receiver");
 }
@@ -321,44 +340,50 @@ TEST(Degenerate, LightInsideAMirror) {
 TEST(Degenerate, RaysAlongAPlane) {
   const auto plane = geometry::make_plane(Point::Zero(), {0, 0, 1});
   for (const double rise : {0.0, 1e-15, -1e-15, 1e-8}) {
-    const auto result = answer(one_mirror(CollimatedLight{Vec3(1, 0, rise).normalized(), 1.0}, plane,
-                                          ReceiverFrame::make({3, 0, 0}, {0, 1, 0}, {0, 0, 1}, {2, 2})),
-                               "grazing");
+    const auto result =
+        answer(one_mirror(CollimatedLight{Vec3(1, 0, rise).normalized(), 1.0}, plane,
+                          ReceiverFrame::make({3, 0, 0}, {0, 1, 0}, {0, 0, 1}, {2, 2})),
+               "grazing");
     EXPECT_TRUE(result.complete);
     EXPECT_TRUE(result.curves.empty());
   }
   // A receiver in the mirror's plane, and one that the rays run along.
   answer(one_mirror(PointLight{{0, 0, 1}, 1.0}, plane, floor_at(Point::Zero(), 2, 2)), "coplanar");
   answer(one_mirror(CollimatedLight{{0, 0, -1}, 1.0}, plane,
-                    ReceiverFrame::make({0, 0, 2}, {1, 0, 0}, {0, 0, 1}, {2, 2})), "edge on");
+                    ReceiverFrame::make({0, 0, 2}, {1, 0, 0}, {0, 0, 1}, {2, 2})),
+         "edge on");
 }
 
 TEST(Degenerate, NothingReachesTheReceiver) {
-  const auto below = answer(one_mirror(PointLight{{0, 0, 4}, 1.0}, geometry::make_sphere(Point::Zero(), 1.0),
-                                       floor_at({0, 0, -3}, 1, 1)), "out of reach");
+  const auto below =
+      answer(one_mirror(PointLight{{0, 0, 4}, 1.0}, geometry::make_sphere(Point::Zero(), 1.0),
+                        floor_at({0, 0, -3}, 1, 1)),
+             "out of reach");
   EXPECT_TRUE(below.curves.empty());
   EXPECT_TRUE(warned(below, "unlit_family"));
   EXPECT_TRUE(below.complete);
   // An aperture that admits nothing.
-  const auto empty = answer(one_mirror(PointLight{{0, 0, 4}, 1.0}, geometry::make_sphere(Point::Zero(), 1.0),
-                                       floor_at({0, 0, 6}, 4, 4),
-                                       geometry::box_aperture({5, 5, 5}, {6, 6, 6})), "empty aperture");
+  const auto empty =
+      answer(one_mirror(PointLight{{0, 0, 4}, 1.0}, geometry::make_sphere(Point::Zero(), 1.0),
+                        floor_at({0, 0, 6}, 4, 4), geometry::box_aperture({5, 5, 5}, {6, 6, 6})),
+             "empty aperture");
   EXPECT_TRUE(empty.curves.empty());
   EXPECT_TRUE(warned(empty, "unlit_family"));
   // Hidden by a screen.
-  const auto hidden = OpticalSystem::build(
-      PointLight{{0, 0, 4}, 1.0},
-      {test::mirror(geometry::make_sphere(Point::Zero(), 1.0)),
-       test::absorber(geometry::make_plane({0, 0, 2}, {0, 0, 1}))},
-      floor_at({0, 0, 6}, 4, 4));
+  const auto hidden =
+      OpticalSystem::build(PointLight{{0, 0, 4}, 1.0},
+                           {test::mirror(geometry::make_sphere(Point::Zero(), 1.0)),
+                            test::absorber(geometry::make_plane({0, 0, 2}, {0, 0, 1}))},
+                           floor_at({0, 0, 6}, 4, 4));
   const auto result = answer(hidden, "screen");
   EXPECT_TRUE(result.curves.empty());
 }
 
 TEST(Degenerate, LevelAtACriticalPoint) {
   // The brightest point of case A1 is on the axis.
-  const auto system = one_mirror(PointLight{{0, 0, 4}, 1.0}, geometry::make_sphere(Point::Zero(), 1.0),
-                                 floor_at({0, 0, 6}, 12, 12));
+  const auto system =
+      one_mirror(PointLight{{0, 0, 4}, 1.0}, geometry::make_sphere(Point::Zero(), 1.0),
+                 floor_at({0, 0, 6}, 12, 12));
   const double top = ForwardMap(system, 0, 1).evaluate({0, 0, 1}).irradiance();
   for (const double share : {1.0, 1.0 + 1e-15, 1.0 - 1e-15, 1.0 - 1e-12, 1.0 - 1e-9, 1.0 + 1e-9}) {
     const auto result = sound_answer(system, "critical level", {share * top});
@@ -375,10 +400,12 @@ TEST(Degenerate, LevelAtACriticalPoint) {
 TEST(Degenerate, OverflowingFlux) {
   const auto sphere = geometry::make_sphere(Point::Zero(), 1.0);
   for (const double intensity : {1e300, 1e-300}) {
-    answer(one_mirror(PointLight{{0, 0, 4}, intensity}, sphere, floor_at({0, 0, 6}, 4, 4)), "intensity");
+    answer(one_mirror(PointLight{{0, 0, 4}, intensity}, sphere, floor_at({0, 0, 6}, 4, 4)),
+           "intensity");
   }
   answer(one_mirror(PointLight{{0, 0, 1e-160}, 1.0}, geometry::make_plane(Point::Zero(), {0, 0, 1}),
-                    floor_at({0, 0, 3}, 4, 4)), "near a plane");
+                    floor_at({0, 0, 3}, 4, 4)),
+         "near a plane");
 }
 
 TEST(Limits, CutTheWorkShort) {

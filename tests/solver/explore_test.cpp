@@ -11,7 +11,8 @@ namespace {
 
 using namespace geometry;
 
-// A mirror cap or disc of radius r, tilted against every grid, far smaller than what it is cut from.
+// A mirror cap or disc of radius r, tilted against every grid, far smaller than what it is cut
+// from.
 TEST(Explore, small_apertures_are_found) {
   for (const double r : {1.0, 0.1, 1e-3}) {
     for (const double tilt : {0.11, 0.37, 0.73}) {
@@ -29,8 +30,8 @@ TEST(Explore, small_apertures_are_found) {
       };
       for (const Case& c : {Case{make_plane({0, 0, 0}, d), disc, {0, 0, 0}},
                             Case{make_sphere({0, 0, 0}, 10.0), cap, 10.0 * d}}) {
-        const auto system =
-            OpticalSystem::build(PointLight{light, 1.0}, {{"m", c.shape, c.bounds, {}, {}}}, receiver);
+        const auto system = OpticalSystem::build(PointLight{light, 1.0},
+                                                 {{"m", c.shape, c.bounds, {}, {}}}, receiver);
         ContourRequest request;
         request.levels.count = 4;
         const auto result = trace_contours(system, request);
@@ -45,8 +46,9 @@ TEST(Explore, small_apertures_are_found) {
   }
 }
 
-// The flux of A1 by a one-dimensional integral over the cone of light that the ball reflects into the
-// window: 8 ∫₀^{π/4} (1 − cos β(6/cos φ)) dφ, with β(r) by bisection of the traced meridian ray.
+// The flux of A1 by a one-dimensional integral over the cone of light that the ball reflects into
+// the window: 8 ∫₀^{π/4} (1 − cos β(6/cos φ)) dφ, with β(r) by bisection of the traced meridian
+// ray.
 TEST(Explore, flux_of_a_ball_on_a_ceiling) {
   const auto landing = [](double beta) {
     const double b = 4.0 * std::cos(beta), t = b - std::sqrt(b * b - 15.0);
@@ -84,9 +86,9 @@ TEST(Explore, a_sphere_with_either_sign_of_its_coefficients) {
                              Light(PointLight{{0.3, 0, 4}, 1.0})}) {
     std::vector<std::size_t> curves;
     for (const auto& coefficients : {plus, minus}) {
-      const auto system = OpticalSystem::build(
-          light, {{"q", make_quadric(coefficients, {}).surface, {}, {}, {}}},
-          ReceiverFrame::make({0, 0, 5}, {1, 0, 0}, {0, 1, 0}, {8, 8}));
+      const auto system =
+          OpticalSystem::build(light, {{"q", make_quadric(coefficients, {}).surface, {}, {}, {}}},
+                               ReceiverFrame::make({0, 0, 5}, {1, 0, 0}, {0, 1, 0}, {8, 8}));
       curves.push_back(trace_contours(system, {}).curves.size());
     }
     EXPECT_GT(curves[0], 0u);

@@ -16,9 +16,9 @@ using test::ReferenceScene;
 using test::ShapeSpec;
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr int kPaths = 15;
+constexpr int kFamilyPaths = 15;
 #else
-constexpr int kPaths = 300;
+constexpr int kFamilyPaths = 300;
 #endif
 
 Optics random_optics(Random& random) {
@@ -76,7 +76,7 @@ RandomFamily random_family(int hops, Random& random) {
   return family;
 }
 
-struct Worst {
+struct WorstOfPath {
   double q = 0, a = 0, grad_a = 0, flux = 0, grad_flux = 0;
 };
 
@@ -91,8 +91,8 @@ bool well_posed(const FieldPoint& f, int hops) {
   return f.q.norm() < 50.0;
 }
 
-Worst compare(int hops, int paths, Random& random) {
-  Worst worst;
+WorstOfPath compare(int hops, int paths, Random& random) {
+  WorstOfPath worst;
   for (int done = 0, tries = 0; done < paths && tries < 200 * paths; ++tries) {
     RandomFamily family = random_family(hops, random);
     auto& r = family.reference;
@@ -137,7 +137,7 @@ class Hopping : public testing::TestWithParam<int> {};
 TEST_P(Hopping, DerivativesAgainstFiftyDigits) {
   const int hops = GetParam();
   Random random(static_cast<unsigned>(7000 + hops));
-  const Worst worst = compare(hops, kPaths, random);
+  const WorstOfPath worst = compare(hops, kFamilyPaths, random);
   // Every hop multiplies the rounding of the place by the curvature and the way to the next.
   constexpr double kTolerance = 1e-11;
   EXPECT_GT(worst.a, 0.0);

@@ -18,8 +18,8 @@ using test::Random;
 using test::ShapeSpec;
 using Kind = ShapeSpec::Kind;
 
-OpticalSystem one_mirror(Light light, geometry::SurfacePtr shape, const ReceiverFrame& receiver,
-                         double reflectance = 1.0) {
+OpticalSystem unbounded_mirror(Light light, geometry::SurfacePtr shape,
+                               const ReceiverFrame& receiver, double reflectance = 1.0) {
   SystemSurface surface{.name = "mirror", .shape = std::move(shape), .bounds = {}, .optics = {}};
   surface.optics.reflectance = reflectance;
   return OpticalSystem::build(std::move(light), {surface}, receiver);
@@ -43,8 +43,8 @@ TEST(Plane, ReflectsLikeAMirroredSource) {
     const geometry::Normal normal = random.direction();
     const double intensity = random.uniform(0.5, 5.0), rho = random.uniform(0.3, 1.0);
     const auto receiver = random_receiver(random);
-    const auto system = one_mirror(PointLight{source, intensity},
-                                   geometry::make_plane(on_plane, normal), receiver, rho);
+    const auto system = unbounded_mirror(PointLight{source, intensity},
+                                         geometry::make_plane(on_plane, normal), receiver, rho);
     const int side = normal.dot(source - on_plane) > 0.0 ? 1 : -1;
     const ForwardMap map(system, 0, side);
     const Point image = source - 2.0 * normal.dot(source - on_plane) * normal;
@@ -102,7 +102,7 @@ TEST(Wavefront, CurvaturesGiveTheSameIrradiance) {
       Light light = CollimatedLight{random.direction(), 3.0};
       if (scene % 2 == 0) light = PointLight{random.in_cube(4.0), 2.0};
       const auto receiver = random_receiver(random);
-      const auto system = one_mirror(light, test::build(spec), receiver);
+      const auto system = unbounded_mirror(light, test::build(spec), receiver);
       const ForwardMap map(system, 0, scene % 4 < 2 ? 1 : -1);
       for (const Point& x : test::sample_surface(
                map.shape(), test::extent_about(spec.pose.translation, 3.0), 10, random)) {
@@ -125,8 +125,8 @@ TEST(Sphere, IrradianceOnTheAxis) {
   for (const double s : {1.5, 4.0, 50.0}) {
     for (const double z : {2.0, 6.0}) {
       const auto receiver = ReceiverFrame::make({0, 0, z}, {1, 0, 0}, {0, 1, 0}, {12, 12});
-      const auto system =
-          one_mirror(PointLight{{0, 0, s}, 1.0}, geometry::make_sphere(Point::Zero(), 1.0), receiver);
+      const auto system = unbounded_mirror(PointLight{{0, 0, s}, 1.0},
+                                           geometry::make_sphere(Point::Zero(), 1.0), receiver);
       const FieldPoint f = ForwardMap(system, 0, 1).evaluate({0, 0, 1});
       const double d1 = s - 1.0, d2 = z - 1.0, spread = 1.0 / d1 + 2.0;
       const double expected = 1.0 / std::pow(d1 * (1.0 + d2 * spread), 2);
@@ -147,7 +147,8 @@ TEST(Paraboloid, SourceInTheFocusMakesABeam) {
       geometry::make_conic(Point::Zero(), Vec3::UnitZ(), 2.0 * focal, -1.0, {0.0, 0.0})};
   const auto receiver = ReceiverFrame::make({0, 0, 5}, {1, 0, 0}, {0, 1, 0}, {4, 4});
   for (const auto& shape : shapes) {
-    const auto system = one_mirror(PointLight{{0, 0, focal}, intensity}, shape, receiver, rho);
+    const auto system =
+        unbounded_mirror(PointLight{{0, 0, focal}, intensity}, shape, receiver, rho);
     // The light is where the conic has g > 0 and the quadric g < 0.
     const int side = shape->value({0, 0, focal}) > 0.0 ? 1 : -1;
     const ForwardMap map(system, 0, side);
@@ -170,7 +171,7 @@ TEST(Ellipsoid, FocusToFocusHasNoMagnification) {
   Random random(4);
   const double a = 2.0, b = 1.2, c = std::sqrt(a * a - b * b);
   const auto receiver = ReceiverFrame::make({c, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1});
-  const auto system = one_mirror(
+  const auto system = unbounded_mirror(
       PointLight{{-c, 0, 0}, 1.0},
       geometry::make_ellipsoid(Point::Zero(), {a, b, b}, geometry::Mat3::Identity()), receiver);
   const ForwardMap map(system, 0, -1);
@@ -207,7 +208,7 @@ TEST(IrradianceGradient, MatchesDifferencesOnTheReceiver) {
     for (int scene = 0; scene < 30; ++scene) {
       Light light = CollimatedLight{random.direction(), 3.0};
       if (scene % 2 == 0) light = PointLight{random.in_cube(4.0), 2.0};
-      const auto system = one_mirror(light, test::build(spec), random_receiver(random));
+      const auto system = unbounded_mirror(light, test::build(spec), random_receiver(random));
       const ForwardMap map(system, 0, scene % 4 < 2 ? 1 : -1);
       for (const Point& x : test::sample_surface(
                map.shape(), test::extent_about(spec.pose.translation, 2.0), 4, random)) {
@@ -226,7 +227,8 @@ TEST(IrradianceGradient, MatchesDifferencesOnTheReceiver) {
           for (int i = 0; i < 2; ++i) {
             const Vec2 e = step * Vec2::Unit(i);
             d[i] = (8.0 * (irradiance(e) - irradiance(-e)) -
-                    (irradiance(2.0 * e) - irradiance(-2.0 * e))) / (12.0 * step);
+                    (irradiance(2.0 * e) - irradiance(-2.0 * e))) /
+                   (12.0 * step);
           }
           return d;
         };
@@ -246,13 +248,14 @@ TEST(IrradianceGradient, MatchesDifferencesOnTheReceiver) {
 TEST(FieldPoint, DerivativesAlongTheSurface) {
   Random random(6);
   for (const ShapeSpec& spec : test::shape_zoo()) {
-    const auto system = one_mirror(PointLight{random.in_cube(3.0), 2.0}, test::build(spec),
-                                   random_receiver(random));
+    const auto system = unbounded_mirror(PointLight{random.in_cube(3.0), 2.0}, test::build(spec),
+                                         random_receiver(random));
     const ForwardMap map(system, 0, 1);
     for (const Point& x : test::sample_surface(
              map.shape(), test::extent_about(spec.pose.translation, 2.0), 20, random)) {
       const FieldPoint f = map.evaluate(x);
-      if (std::abs(f.facing) < 0.2 * map.incident(x).norm() || map.incident(x).norm() < 0.5) continue;
+      if (std::abs(f.facing) < 0.2 * map.incident(x).norm() || map.incident(x).norm() < 0.5)
+        continue;
       if (!geometry::exists_at(map.shape().own_bounds(), x, -0.1)) continue;
       if (std::abs(f.cos_alpha) < 0.1) continue;
       const double bend = test::reference_shape(spec, x).curvature.norm();
@@ -281,11 +284,11 @@ TEST(Project, ReachesTheSurfaceToRounding) {
       const ShapeSpec spec = test::scaled(given, size);
       const auto receiver =
           ReceiverFrame::make(Point(0, 0, -2 * size), {1, 0, 0}, {0, 1, 0}, {size, size});
-      const auto system = one_mirror(CollimatedLight{{0, 0, -1}, 1.0}, test::build(spec), receiver);
+      const auto system =
+          unbounded_mirror(CollimatedLight{{0, 0, -1}, 1.0}, test::build(spec), receiver);
       const ForwardMap map(system, 0, 1);
-      for (const Point& x :
-           test::sample_surface(map.shape(), test::extent_about(spec.pose.translation, 2.0 * size),
-                                20, random)) {
+      for (const Point& x : test::sample_surface(
+               map.shape(), test::extent_about(spec.pose.translation, 2.0 * size), 20, random)) {
         if (!geometry::exists_at(map.shape().own_bounds(), x, -0.1 * size)) continue;
         if (test::reference_shape(spec, x).curvature.norm() * size > 10.0) continue;
         const Point y = map.project(x + random.in_cube(1e-3 * size));
@@ -303,15 +306,15 @@ TEST(FieldPoint, ScalesWithTheScene) {
   for (const ShapeSpec& spec : test::shape_zoo()) {
     const Point source = random.in_cube(3.0), origin = random.in_cube(3.0);
     const Vec3 u = random.direction(), v = random.direction();
-    const auto system = one_mirror(PointLight{source, 1.0}, test::build(spec),
-                                   ReceiverFrame::make(origin, u, v, {2, 2}));
+    const auto system = unbounded_mirror(PointLight{source, 1.0}, test::build(spec),
+                                         ReceiverFrame::make(origin, u, v, {2, 2}));
     const ForwardMap map(system, 0, 1);
     const auto points = test::sample_surface(
         map.shape(), test::extent_about(spec.pose.translation, 2.0), 20, random);
     for (const double size : {1e-6, 1e6}) {
-      const auto large = one_mirror(PointLight{size * source, 1.0},
-                                    test::build(test::scaled(spec, size)),
-                                    ReceiverFrame::make(size * origin, u, v, {2 * size, 2 * size}));
+      const auto large =
+          unbounded_mirror(PointLight{size * source, 1.0}, test::build(test::scaled(spec, size)),
+                           ReceiverFrame::make(size * origin, u, v, {2 * size, 2 * size}));
       const ForwardMap large_map(large, 0, 1);
       for (const Point& x : points) {
         if (!geometry::exists_at(map.shape().own_bounds(), x, -0.05)) continue;
@@ -322,7 +325,8 @@ TEST(FieldPoint, ScalesWithTheScene) {
         EXPECT_NEAR((g.q / size - f.q).norm(), 0.0, 1e-12 * (1.0 + f.q.norm())) << spec.name;
         EXPECT_NEAR(g.a / f.scale_of_a(), f.a / f.scale_of_a(), 1e-11) << spec.name;
         EXPECT_NEAR((g.grad_a * size - f.grad_a).norm(), 0.0,
-                    1e-11 * (f.grad_a.norm() + f.scale_of_a())) << spec.name;
+                    1e-11 * (f.grad_a.norm() + f.scale_of_a()))
+            << spec.name;
         EXPECT_NEAR(g.flux * size * size, f.flux, 1e-12 / std::pow((x - source).norm(), 2));
       }
     }
@@ -332,22 +336,22 @@ TEST(FieldPoint, ScalesWithTheScene) {
 TEST(FieldPoint, SaysWhereItIsNotDefined) {
   const auto receiver = ReceiverFrame::make({0, 0, -1}, {1, 0, 0}, {0, 1, 0}, {2, 2});
   // The light on the mirror itself.
-  const auto on_mirror =
-      one_mirror(PointLight{{0, 0, 1}, 1.0}, geometry::make_sphere(Point::Zero(), 1.0), receiver);
+  const auto on_mirror = unbounded_mirror(PointLight{{0, 0, 1}, 1.0},
+                                          geometry::make_sphere(Point::Zero(), 1.0), receiver);
   EXPECT_FALSE(ForwardMap(on_mirror, 0, 1).evaluate({0, 0, 1}).finite);
   // A cone's apex has no normal.
-  const auto cone = one_mirror(PointLight{{0, 0, 3}, 1.0},
-                               geometry::make_cone(Point::Zero(), {0, 0, 1}, 0.5), receiver);
+  const auto cone = unbounded_mirror(PointLight{{0, 0, 3}, 1.0},
+                                     geometry::make_cone(Point::Zero(), {0, 0, 1}, 0.5), receiver);
   EXPECT_FALSE(ForwardMap(cone, 0, 1).evaluate(Point::Zero()).finite);
   // A ray that leaves along the receiver's plane.
-  const auto parallel = one_mirror(CollimatedLight{{0, 0, -1}, 1.0},
-                                   geometry::make_plane(Point::Zero(), Vec3(1, 0, 1).normalized()),
-                                   receiver);
+  const auto parallel =
+      unbounded_mirror(CollimatedLight{{0, 0, -1}, 1.0},
+                       geometry::make_plane(Point::Zero(), Vec3(1, 0, 1).normalized()), receiver);
   const FieldPoint f = ForwardMap(parallel, 0, 1).evaluate(Point::Zero());
   EXPECT_FALSE(f.arrives() && std::abs(f.facing) == 0.0);
   // Away from the receiver.
-  const auto away = one_mirror(CollimatedLight{{0, 0, -1}, 1.0},
-                               geometry::make_plane(Point::Zero(), {0, 0, 1}), receiver);
+  const auto away = unbounded_mirror(CollimatedLight{{0, 0, -1}, 1.0},
+                                     geometry::make_plane(Point::Zero(), {0, 0, 1}), receiver);
   EXPECT_FALSE(ForwardMap(away, 0, 1).evaluate(Point::Zero()).arrives());
   EXPECT_TRUE(ForwardMap(away, 0, 1).evaluate(Point::Zero()).lit());
   EXPECT_FALSE(ForwardMap(away, 0, -1).evaluate(Point::Zero()).lit());

@@ -14,7 +14,8 @@ using test::Random;
 using test::ReferenceScene;
 using test::ShapeSpec;
 
-// Sanitizers slow 50-digit arithmetic tenfold. Quadrics, conics and freeforms come in many classes each.
+// Sanitizers slow 50-digit arithmetic tenfold. Quadrics, conics and freeforms come in many classes
+// each.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr int kPoints = 40, kPointsOfClass = 20;
 #else
@@ -24,26 +25,28 @@ constexpr int kPointsPerScene = 10;
 
 // Required of a, ∇a, flux: error in units of their natural scale.
 constexpr double kTolerance = 1e-12;
-// Positions of order one carry a rounding error of ε. It turns the normal by ε × curvature and moves a
-// by that over the sine of arrival, thrice. Beyond this bound (apexes of cones) the numbers given do
-// not say what a is to within the tolerance; so too next to the rim of a conic, where its height
-// has an infinite slope.
+// Positions of order one carry a rounding error of ε. It turns the normal by ε × curvature and
+// moves a by that over the sine of arrival, thrice. Beyond this bound (apexes of cones) the numbers
+// given do not say what a is to within the tolerance; so too next to the rim of a conic, where its
+// height has an infinite slope.
 constexpr double kLargestBending = 200.0;
 constexpr double kRimMargin = 1e-3;
 
 OpticalSystem system_of(const ReferenceScene& scene) {
-  SystemSurface surface{.name = "mirror", .shape = test::build(scene.shape), .bounds = {}, .optics = {}};
+  SystemSurface surface{
+      .name = "mirror", .shape = test::build(scene.shape), .bounds = {}, .optics = {}};
   surface.optics.reflectance = scene.reflectance;
   return OpticalSystem::build(scene.light, {surface}, scene.receiver);
 }
 
 ReferenceScene random_scene(const ShapeSpec& shape, bool point_light, Random& random) {
-  ReferenceScene scene{.shape = shape,
-                       .side = random.index(2) == 0 ? 1 : -1,
-                       .reflectance = random.uniform(0.2, 1.0),
-                       .light = {},
-                       .receiver = geometry::ReceiverFrame::make(
-                           random.in_cube(4.0), random.direction(), random.direction(), {5.0, 3.0})};
+  ReferenceScene scene{
+      .shape = shape,
+      .side = random.index(2) == 0 ? 1 : -1,
+      .reflectance = random.uniform(0.2, 1.0),
+      .light = {},
+      .receiver = geometry::ReceiverFrame::make(random.in_cube(4.0), random.direction(),
+                                                random.direction(), {5.0, 3.0})};
   if (point_light) {
     scene.light = PointLight{random.in_cube(4.0), random.uniform(0.5, 20.0)};
   } else {
@@ -78,8 +81,7 @@ Worst compare(const ShapeSpec& shape, bool point_light, int points, Random& rand
       note(worst.q, (f.q - r.q).norm() * std::abs(r.incidence) / (10.0 + r.q.norm()));
       note(worst.a, std::abs(f.a - r.a) / r.scale_of_a);
       // A plane's magnification in a beam is constant: no term of ∇a is left to measure by.
-      note(worst.grad_a,
-           (f.grad_a - r.grad_a).norm() / (r.scale_of_grad_a + 0.1 * r.scale_of_a));
+      note(worst.grad_a, (f.grad_a - r.grad_a).norm() / (r.scale_of_grad_a + 0.1 * r.scale_of_a));
       note(worst.flux, std::abs(f.flux - r.flux) / r.scale_of_flux);
       note(worst.grad_flux,
            (f.grad_flux - r.grad_flux).norm() / (r.scale_of_grad_flux + 0.01 * r.scale_of_flux));
@@ -92,9 +94,9 @@ class AgainstReference : public testing::TestWithParam<std::tuple<ShapeSpec, boo
 
 TEST_P(AgainstReference, MagnificationFluxAndGradients) {
   const auto& [shape, point_light] = GetParam();
-  const bool has_classes =
-      shape.kind == ShapeSpec::Kind::quadric || shape.kind == ShapeSpec::Kind::conic ||
-      shape.kind >= ShapeSpec::Kind::revolution;
+  const bool has_classes = shape.kind == ShapeSpec::Kind::quadric ||
+                           shape.kind == ShapeSpec::Kind::conic ||
+                           shape.kind >= ShapeSpec::Kind::revolution;
   Random random(point_light ? 1001 : 1000);
   const Worst worst = compare(shape, point_light, has_classes ? kPointsOfClass : kPoints, random);
   EXPECT_LT(worst.q, kTolerance);

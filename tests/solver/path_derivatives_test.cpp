@@ -23,7 +23,7 @@ constexpr int kReferencePaths = 25, kPaths = 400;
 #endif
 
 // Required of J and H: error in units of their natural scale.
-constexpr double kTolerance = 1e-11;
+constexpr double kPathTolerance = 1e-11;
 
 // Scales of J and H with what a rounding of the path's points does to them: near a caustic one ε of
 // x moves J by the response |J|, times |J| again, …; here paths are kept where that is moderate.
@@ -76,11 +76,11 @@ TEST(PathDerivatives, AgreeWithFiftyDigits) {
       worst_L =
           std::max(worst_L, std::abs(optical_length(r.chain, r.path) - reference.optical_length));
     }
-    EXPECT_LT(worst_x, kTolerance) << hops << " hops";
-    EXPECT_LT(worst_J, kTolerance) << hops << " hops";
-    EXPECT_LT(worst_H, kTolerance) << hops << " hops";
-    EXPECT_LT(worst_D, kTolerance) << hops << " hops";
-    EXPECT_LT(worst_L, kTolerance) << hops << " hops";
+    EXPECT_LT(worst_x, kPathTolerance) << hops << " hops";
+    EXPECT_LT(worst_J, kPathTolerance) << hops << " hops";
+    EXPECT_LT(worst_H, kPathTolerance) << hops << " hops";
+    EXPECT_LT(worst_D, kPathTolerance) << hops << " hops";
+    EXPECT_LT(worst_L, kPathTolerance) << hops << " hops";
   }
 }
 
@@ -121,7 +121,7 @@ TEST(PathDerivatives, JacobiansAgreeWithTheRecurrenceOfChen) {
       worst = std::max(worst, (d.jacobians[i] - other[i]).norm() / scale_of(d).J);
     }
   }
-  EXPECT_LT(worst, kTolerance);
+  EXPECT_LT(worst, kPathTolerance);
 }
 
 // One mirror: J [u v] = [e1 e2] M⁻¹ of the forward map (S7), and the determinant is a, freed of the
@@ -155,8 +155,8 @@ TEST(PathDerivatives, OfOneMirrorAgreeWithTheForwardMap) {
     const double D = f.a * receiver.m.dot(arriving) * r.path.segment(0).squaredNorm() / f.cos_alpha;
     worst_D = std::max(worst_D, std::abs(d.determinant / D - 1.0));
   }
-  EXPECT_LT(worst_J, kTolerance);
-  EXPECT_LT(worst_D, kTolerance);
+  EXPECT_LT(worst_J, kPathTolerance);
+  EXPECT_LT(worst_D, kPathTolerance);
 }
 
 TEST(PathDerivatives, AgreeWithDifferencesOfPaths) {

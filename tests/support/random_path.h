@@ -12,7 +12,7 @@
 namespace caustic::test {
 
 struct RandomPath {
-  std::vector<ReferenceHop> hops;            ///< what the reference is told
+  std::vector<ReferenceVertex> hops;         ///< what the reference is told
   std::vector<geometry::SurfacePtr> shapes;  ///< what the program is told
   solver::SpecularChain chain;
   solver::SpecularPath path;
@@ -22,7 +22,7 @@ struct RandomPath {
 /// says.
 constexpr double kLeastCosine = 0.25;
 
-inline geometry::Vec3 sent_on(const ReferenceHop& hop, const geometry::Vec3& w,
+inline geometry::Vec3 sent_on(const ReferenceVertex& hop, const geometry::Vec3& w,
                               const geometry::Vec3& n) {
   if (hop.reflects) return w - 2.0 * w.dot(n) * n;
   const double eta = hop.index_before / hop.index_after, c = w.dot(n);
@@ -39,7 +39,7 @@ inline std::optional<RandomPath> try_random_path(int hops, Random& random) {
   geometry::Vec3 w = (random.in_cube(0.7) - o).normalized();
   double index = random.uniform(1.0, 1.5);
   for (int i = 0; i < hops; ++i) {
-    ReferenceHop hop{shape_zoo()[random.index(static_cast<int>(shape_zoo().size()))]};
+    ReferenceVertex hop{shape_zoo()[random.index(static_cast<int>(shape_zoo().size()))]};
     hop.shape.pose.translation += 0.3 * random.direction() + (i > 0 ? 1.5 : 0.0) * w;
     hop.reflects = random.index(2) == 0;
     hop.index_before = index;

@@ -1,5 +1,5 @@
-// Scenes drawn at random, skewed to trouble: all shapes, apertures, several surfaces in each other's
-// way.
+// Scenes drawn at random, skewed to trouble: all shapes, apertures, several surfaces in each
+// other's way.
 #pragma once
 
 #include <sstream>
@@ -17,13 +17,17 @@ struct RandomScene {
 
 inline std::vector<geometry::Bound> random_aperture(Random& random, const geometry::Point& about) {
   switch (random.index(5)) {
-    case 0: return {};
+    case 0:
+      return {};
     case 1: {
-      const geometry::Vec3 half(random.uniform(0.3, 2), random.uniform(0.3, 2), random.uniform(0.3, 2));
+      const geometry::Vec3 half(random.uniform(0.3, 2), random.uniform(0.3, 2),
+                                random.uniform(0.3, 2));
       return geometry::box_aperture(about - half, about + half);
     }
-    case 2: return {geometry::cylinder_aperture(about, random.direction(), random.uniform(0.4, 2))};
-    case 3: return {geometry::half_space_aperture(about + random.in_cube(0.3), random.direction())};
+    case 2:
+      return {geometry::cylinder_aperture(about, random.direction(), random.uniform(0.4, 2))};
+    case 3:
+      return {geometry::half_space_aperture(about + random.in_cube(0.3), random.direction())};
     default:
       return {geometry::half_space_aperture(about + random.in_cube(0.3), random.direction()),
               geometry::cylinder_aperture(about, random.direction(), random.uniform(0.4, 2))};

@@ -12,7 +12,7 @@ using RealVec = Eigen::Matrix<Real, 3, 1>;
 
 // Differences: a step h leaves an error of h² in first and second derivatives, and one of 1e-48/h²
 // of rounding in the latter.
-const Real kStep("1e-12");
+const Real kPathStep("1e-12");
 // Newton's derivatives come from differences this small: each iteration gains 20 digits.
 const Real kNewtonStep("1e-20");
 
@@ -27,7 +27,7 @@ struct RealRay {
 
 class Shooter {
  public:
-  Shooter(const std::vector<ReferenceHop>& hops, const RealVec& source,
+  Shooter(const std::vector<ReferenceVertex>& hops, const RealVec& source,
           const std::vector<geometry::Point>& x)
       : hops_(hops), source_(source) {
     RealVec last = source;
@@ -111,21 +111,21 @@ class Shooter {
     // Solid angle of dα dβ is (1 + α² + β²)^(−3/2); (e1, e2, aim) is right-handed.
     const Real stretch = sqrt(1 + alpha * alpha + beta * beta);
     Real sign = e1_.cross(e2_).dot(aim_);
-    for (const ReferenceHop& hop : hops_) {
+    for (const ReferenceVertex& hop : hops_) {
       if (hop.reflects) sign = -sign;
     }
     return sign * ray.w.dot(pa.cross(pb)) * stretch * stretch * stretch;
   }
 
  private:
-  const std::vector<ReferenceHop>& hops_;
+  const std::vector<ReferenceVertex>& hops_;
   RealVec source_, aim_, e1_, e2_;
   std::vector<Real> distance_;
 };
 
 }  // namespace
 
-ReferencePath reference_path(const std::vector<ReferenceHop>& hops, const geometry::Point& source,
+ReferencePath reference_path(const std::vector<ReferenceVertex>& hops, const geometry::Point& source,
                              const geometry::Point& to, const std::vector<geometry::Point>& x) {
   const Shooter shooter(hops, from(source), x);
   const RealVec p = from(to);
@@ -133,7 +133,7 @@ ReferencePath reference_path(const std::vector<ReferenceHop>& hops, const geomet
   const auto base = shooter.path_to(p, alpha, beta);
   const auto moved = [&](const RealVec& shift) {
     Real a = alpha, b = beta;
-    return shooter.path_to(p + kStep * shift, a, b);
+    return shooter.path_to(p + kPathStep * shift, a, b);
   };
 
   ReferencePath r;
@@ -157,10 +157,10 @@ ReferencePath reference_path(const std::vector<ReferenceHop>& hops, const geomet
     forth[b] = moved(axes[b]);
     back[b] = moved(-axes[b]);
   }
-  const Real hh = kStep * kStep;
+  const Real hh = kPathStep * kPathStep;
   for (std::size_t i = 0; i < hops.size(); ++i) {
     for (int b = 0; b < 3; ++b) {
-      r.jacobians[i].col(b) = rounded((forth[b][i] - back[b][i]) / Real(2 * kStep));
+      r.jacobians[i].col(b) = rounded((forth[b][i] - back[b][i]) / Real(2 * kPathStep));
       const auto second = rounded((forth[b][i] + back[b][i] - Real(2) * base[i]) / hh);
       for (int a = 0; a < 3; ++a) r.hessians[i][a](b, b) = second[a];
     }

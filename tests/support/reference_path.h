@@ -9,7 +9,7 @@
 
 namespace caustic::test {
 
-struct ReferenceHop {
+struct ReferenceVertex {
   ShapeSpec shape;
   bool reflects = true;
   double index_before = 1.0, index_after = 1.0;
@@ -24,7 +24,7 @@ struct ReferencePath {
 };
 
 /// `x` are starting values good to about 1e-8.
-ReferencePath reference_path(const std::vector<ReferenceHop>& hops, const geometry::Point& from,
+ReferencePath reference_path(const std::vector<ReferenceVertex>& hops, const geometry::Point& from,
                              const geometry::Point& to, const std::vector<geometry::Point>& x);
 
 }  // namespace caustic::test

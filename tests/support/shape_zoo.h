@@ -1,5 +1,5 @@
-// One specimen of every shape and class that the program knows, described by its parameters, so that
-// the surface under test and the 50-digit reference are built from the same numbers.
+// One specimen of every shape and class that the program knows, described by its parameters, so
+// that the surface under test and the 50-digit reference are built from the same numbers.
 #pragma once
 
 #include <array>
@@ -14,7 +14,18 @@ namespace caustic::test {
 
 struct ShapeSpec {
   enum class Kind {
-    plane, sphere, ellipsoid, quadric, cylinder, cone, torus, conic, revolution, sag, zernike, heights,
+    plane,
+    sphere,
+    ellipsoid,
+    quadric,
+    cylinder,
+    cone,
+    torus,
+    conic,
+    revolution,
+    sag,
+    zernike,
+    heights,
     expression
   };
 
@@ -24,7 +35,8 @@ struct ShapeSpec {
   geometry::Direction axis = geometry::Vec3::UnitZ();
   geometry::Mat3 rotation = geometry::Mat3::Identity();  ///< ellipsoid, height fields
   geometry::Vec3 semi_axes = geometry::Vec3::Ones();     ///< ellipsoid
-  double radius = 1.0;  ///< sphere, cylinder; half angle of the cone; major one; R of the conic; height of the revolution
+  double radius = 1.0;  ///< sphere, cylinder; half angle of the cone; major one; R of the conic;
+                        ///< height of the revolution
   double second = 0.0;  ///< minor radius, conic constant
   std::array<double, 10> coefficients{};  ///< quadric
   std::vector<double> aspheric{};         ///< conic
@@ -33,12 +45,12 @@ struct ShapeSpec {
     int i, j;
     double c;
   };
-  std::vector<Term> terms{};              ///< sag: c x^i y^j
+  std::vector<Term> terms{};                      ///< sag: c x^i y^j
   std::vector<std::pair<int, double>> zernike{};  ///< over the disc of `radius`
-  geometry::HeightGrid grid{};            ///< heights
-  std::string expression{};               ///< in a cube of half size `radius`, lengths in `unit`
-  double unit = 1.0;                      ///< m
-  geometry::Pose pose{};                  ///< x_world = R x + t, applied to all of the above
+  geometry::HeightGrid grid{};                    ///< heights
+  std::string expression{};  ///< in a cube of half size `radius`, lengths in `unit`
+  double unit = 1.0;         ///< m
+  geometry::Pose pose{};     ///< x_world = R x + t, applied to all of the above
 };
 
 std::ostream& operator<<(std::ostream& out, const ShapeSpec& spec);
