@@ -15,7 +15,7 @@ using geometry::SurfaceEnclosure;
 
 namespace {
 
-constexpr int kMaxUnknowns = 3 * kMaxPathHops;
+constexpr int kMaxUnknowns = 3 * kMaxHops;
 // A box is widened by this share before it is asked whether it holds one root, so that a root on
 // the face between two boxes is inside of one of them.
 constexpr double kInflate = 0.2;
@@ -28,10 +28,10 @@ constexpr int kSharpen = 50;
 // Proven boxes sharpened to this share of the scene hold the same root if they meet.
 constexpr double kSameRoot = 1e-9;
 
-using Midpoint = std::array<Point, kMaxPathHops>;
+using Midpoint = std::array<Point, kMaxHops>;
 
 struct PathBox {
-  std::array<IntervalVec3, kMaxPathHops> x;
+  std::array<IntervalVec3, kMaxHops> x;
 };
 
 Interval dot(const IntervalVec3& a, const IntervalVec3& b) {
@@ -122,8 +122,8 @@ class Search {
   std::vector<PathBox> stack_;
   std::vector<PathBox> proven_;
   // Of the box looked at.
-  std::array<SurfaceEnclosure, kMaxPathHops> surface_;
-  std::array<EnclosedSegment, kMaxPathHops + 1> spans_;
+  std::array<SurfaceEnclosure, kMaxHops> surface_;
+  std::array<EnclosedSegment, kMaxHops + 1> spans_;
 };
 
 Interval clipped(const Interval& a) { return geometry::intersection(a, Interval(-1.0, 1.0)); }
@@ -223,7 +223,7 @@ double Search::widest(const PathBox& box, int& hop, int& axis) const {
 // 0, g = 0 per hop, c₁ and c₂ tangents in the middle.
 Search::Verdict Search::krawczyk(const PathBox& X, PathBox& box) {
   Midpoint m;
-  std::array<geometry::Frame, kMaxPathHops> frames{
+  std::array<geometry::Frame, kMaxHops> frames{
       geometry::Frame(Vec3::UnitZ()), geometry::Frame(Vec3::UnitZ()),
       geometry::Frame(Vec3::UnitZ()), geometry::Frame(Vec3::UnitZ()),
       geometry::Frame(Vec3::UnitZ()), geometry::Frame(Vec3::UnitZ()),

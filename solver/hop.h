@@ -1,5 +1,5 @@
-// One bounce of a path: how light leaves a surface, where it meets the next one, and how both change
-// with the first hit. NOTATION.md (S23)–(S25).
+// One bounce of a path: how light leaves a surface, where it meets the next one, and how both
+// change with the first hit. NOTATION.md (S23)–(S25).
 #pragma once
 
 #include <optional>
@@ -22,15 +22,14 @@ struct Hop {
 };
 /// Ordered, at most kMaxHops.
 using Hops = std::vector<Hop>;
-constexpr int kMaxHops = 8;
 
 /// Direction after the bounce, of the same length as d; N = ∇g at the hit. None if all is reflected
 /// where light should pass.
 std::optional<Vec3> bend(const Optics& optics, int side, const Vec3& d, const Vec3& N);
 
-/// τ > least where the ray comes to the surface from `side`. Of several places the first that exists, or
-/// else the one that comes nearest to existing; with `guess`, the one that the guess belongs to,
-/// whether it exists or not. None if the ray misses.
+/// τ > least where the ray comes to the surface from `side`. Of several places the first that
+/// exists, or else the one that comes nearest to existing; with `guess`, the one that the guess
+/// belongs to, whether it exists or not. None if the ray misses.
 std::optional<double> next_hit(const SystemSurface& surface, int side, const geometry::Ray& ray,
                                double least, const double* guess);
 /// The least τ of a hit on the surface where the ray begins: rounding may leave that place itself

@@ -6,6 +6,9 @@
 
 namespace caustic::solver {
 
+/// Longest path (api.md); it bounds what is kept on the stack.
+constexpr int kMaxHops = 8;
+
 /// Fresnel's reflectance of unpolarised light and its derivative by the cosine of incidence, (S26).
 /// `index` is that of the other side over that of the incident one, n + ik for a metal. Only below
 /// total reflection if real.
@@ -18,10 +21,11 @@ struct Optics {
   enum class Kind { mirror, refract, absorb };
 
   Kind kind = Kind::mirror;
-  double reflectance = 1.0;                   ///< mirrors, in (0, 1]
-  std::optional<std::complex<double>> metal = std::nullopt;  ///< n + ik takes the place of `reflectance`
+  double reflectance = 1.0;  ///< mirrors, in (0, 1]
+  std::optional<std::complex<double>> metal =
+      std::nullopt;                                ///< n + ik takes the place of `reflectance`
   double index_outside = 1.0, index_inside = 1.0;  ///< refraction, > 0
-  bool fresnel = false;                       ///< refraction loses what Fresnel reflects
+  bool fresnel = false;                            ///< refraction loses what Fresnel reflects
 
   bool passes_light_on() const { return kind != Kind::absorb; }
   /// Index on the incident side over that on the other, for light that comes from side s = ±1.

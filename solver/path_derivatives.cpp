@@ -7,7 +7,7 @@ namespace caustic::solver {
 
 namespace {
 
-using Columns = Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 4 * kMaxPathHops, 3>;
+using Columns = Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 4 * kMaxHops, 3>;
 
 // The change of every unknown with one coordinate of p: columns of z_p, the ends included.
 struct Motion {

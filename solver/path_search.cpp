@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace caustic::solver {
-
-using geometry::Vec2;
 
 namespace {
 
@@ -36,37 +35,69 @@ constexpr double kImageReach = 1.0;
 // Newton from the cell's linear image converges to its only root where the least stretch exceeds
 // the second differences so many times: Kantorovich's ½ needs 2√2.
 constexpr double kInjective = 3.0;
+// Each step takes a factor of the bending over the stretch off the error of the start.
+constexpr int kPreimageSteps = 3;
 // Cells cut off by an aperture: the samples' spread underestimates the radius of curved cells.
 constexpr double kRadiusMargin = 1.3;
+// Questions are first expected within this share of the scene about each other.
+constexpr double kFirstRegion = 0.02;
 // Work for one point: a scene that needs more is a perfect focus.
 constexpr std::size_t kMaxNewCells = 20000;
 constexpr std::size_t kMaxPaths = 100;
-// Newton's steps, and when one is the last, as a share of the scene: quadratic convergence.
+// Newton's steps; one is the last if the next would be below this share of the scene.
 constexpr int kMaxNewtonSteps = 24;
+constexpr double kNextStep = 1e-15;
+// Halving the way to a place from where no ray arrives ends at this share of the scene.
 constexpr double kLastStep = 1e-9;
 // Roots nearer than this share of the scene are one.
 constexpr double kSameSolution = 1e-8;
+
+// Of the nine rays of a cell, s fastest.
+constexpr std::array<int, 4> kCorners{0, 2, 6, 8};
 
 double max3(double a, double b, double c) { return std::max(a, std::max(b, c)); }
 
 }  // namespace
 
+// Second differences of a 3 × 3 grid of vectors, s fastest: the largest ones.
+struct PathSearch::Bending {
+  double ss, tt, st;
+  explicit Bending(const std::array<Vec2, 9>& y) {
+    const auto bend = [&](int a, int b, int c) { return (y[a] - 2.0 * y[b] + y[c]).squaredNorm(); };
+    ss = std::sqrt(max3(bend(0, 1, 2), bend(3, 4, 5), bend(6, 7, 8)));
+    tt = std::sqrt(max3(bend(0, 3, 6), bend(1, 4, 7), bend(2, 5, 8)));
+    st = 0.25 * (y[0] - y[2] - y[6] + y[8]).norm();
+  }
+};
+
 // The nine rays of a cell where they meet the plane through p across the middle one.
 struct PathSearch::Locus {
   std::array<Vec2, 9> y;
   Vec2 target;
-  Vec2 b_s, b_t;      // half differences through the middle
-  double ss, tt, st;  // largest second differences
-  double bending() const { return ss + 2.0 * st + tt; }
-  /// Smaller singular value of [b_s b_t].
-  double least_stretch() const {
-    const double det = std::abs(b_s.x() * b_t.y() - b_s.y() * b_t.x());
+  Vec2 b_s, b_t;  // half differences through the middle
+  double bending;
+  double det() const { return b_s.x() * b_t.y() - b_s.y() * b_t.x(); }
+  // The square of the smaller singular value of [b_s b_t] is the smaller root of
+  // λ² − sum λ + det² = 0.
+  bool injective() const {
     const double sum = b_s.squaredNorm() + b_t.squaredNorm();
-    const double larger =
-        std::sqrt(0.5 * (sum + std::sqrt(std::max(0.0, sum * sum - 4 * det * det))));
-    return larger > 0.0 ? det / larger : 0.0;
+    const double least = kInjective * bending, q = least * least;
+    return 2.0 * q < sum && q * (q - sum) + det() * det() > 0.0;
   }
-  bool injective() const { return least_stretch() > kInjective * bending(); }
+  Vec2 linear_preimage(const Vec2& at) const {
+    const Vec2 m = at - y[4];
+    return Vec2(m.x() * b_t.y() - m.y() * b_t.x(), b_s.x() * m.y() - b_s.y() * m.x()) / det();
+  }
+  // Of the target, to second order: the linear one of the target less what bends.
+  Vec2 preimage(Vec2 st) const {
+    const Vec2 ss = 0.5 * (y[3] - 2.0 * y[4] + y[5]), tt = 0.5 * (y[1] - 2.0 * y[4] + y[7]);
+    const Vec2 cross = 0.25 * (y[0] - y[2] - y[6] + y[8]);
+    for (int k = 0; k < kPreimageSteps; ++k) {
+      const double s = st.x(), t = st.y();
+      st = linear_preimage(target - s * s * ss - s * t * cross - t * t * tt);
+    }
+    return st;
+  }
 };
 
 PathSearch::PathSearch(PencilTracer tracer, const geometry::Extent& extent, int lit_side)
@@ -74,7 +105,8 @@ PathSearch::PathSearch(PencilTracer tracer, const geometry::Extent& extent, int 
       charts_(tracer_.first().shape->charts(extent)),
       scale_(extent.scale),
       base_(charts_.size() == 1 ? kGridOfOne : kGridOfMany),
-      lit_side_(lit_side) {
+      lit_side_(lit_side),
+      places_({}, 1.0) {
   const int size = 1 << kDeepest;
   for (int chart = 0; chart < static_cast<int>(charts_.size()); ++chart) {
     for (int i = 0; i < base_; ++i) {
@@ -89,6 +121,9 @@ PathSearch::PathSearch(PencilTracer tracer, const geometry::Extent& extent, int 
       }
     }
   }
+  std::vector<int> roots(cells_.size());
+  std::iota(roots.begin(), roots.end(), 0);
+  places_ = LocationTree(std::move(roots), kFirstRegion * extent.scale);
 }
 
 int PathSearch::sample(int chart, int i, int j) {
@@ -156,18 +191,25 @@ void PathSearch::make(Cell& cell) {
   for (int k = 0; k < 9; ++k) {
     const Sample& s = samples_[index[k]];
     if (!s.valid) continue;
-    LocalRay& ray = cell.rays[k];
-    ray = {to_frame * (s.ray.o - cell.o), to_frame * s.ray.w};
-    if (ray.w.z() < kLeastCosine) cell.kind = Kind::wide;
-    // Where the ray meets the plane at τ: o + (τ − o_w) w/w_w.
-    const Vec2 slope = ray.w.head<2>() / ray.w.z();
+    const Vec3 o = to_frame * (s.ray.o - cell.o), w = to_frame * s.ray.w;
+    if (w.z() < kLeastCosine) cell.kind = Kind::wide;
+    const Vec2 slope = w.head<2>() / w.z();
+    cell.rays[k] = {o.head<2>() - o.z() * slope, slope};
     cell.reach_w = std::max(cell.reach_w, slope.norm());
-    cell.reach_o = std::max(cell.reach_o, (ray.o.head<2>() - ray.o.z() * slope).norm());
-    cell.behind = std::max(cell.behind, ray.o.norm());
+    cell.reach_o = std::max(cell.reach_o, cell.rays[k].at.norm());
+    cell.behind = std::max(cell.behind, o.norm());
   }
+  std::array<Vec2, 9> at, slope;
+  for (int k = 0; k < 9; ++k) {
+    at[k] = cell.rays[k].at;
+    slope[k] = cell.rays[k].slope;
+  }
+  const Bending o(at), w(slope);
+  cell.bending_o = o.ss + o.tt;
+  cell.bending_w = w.ss + w.tt;
   // Beside the light directions vary as much, but there it is the cell that is too large.
   if (valid == 9 && cell.depth >= kBrokenDepth && tracer_.hops() > 1 &&
-      apparent_size(samples_[index[4]].x, radius) < kSeekShare && jumps(cell)) {
+      apparent_size(samples_[index[4]].x, radius) < kSeekShare && jumps(index)) {
     cell.kind = Kind::broken;
   }
   if (cell.kind == Kind::broken) {
@@ -212,13 +254,13 @@ bool PathSearch::may_come(const Point& middle, double radius) const {
   return region.may_meet({pencil.o, far * pencil.w}, margin);
 }
 
-bool PathSearch::jumps(const Cell& cell) const {
+bool PathSearch::jumps(const std::array<int, 9>& samples) const {
+  const auto ray = [&](int k) -> const Pencil& { return samples_[samples[k]].ray; };
   const auto size = [&](int a, int b) {
-    return (cell.rays[a].o - cell.rays[b].o).norm() / scale_ +
-           (cell.rays[a].w - cell.rays[b].w).norm();
+    return (ray(a).o - ray(b).o).norm() / scale_ + (ray(a).w - ray(b).w).norm();
   };
   const auto bend = [&](int a, int b, int c) {
-    const LocalRay &x = cell.rays[a], &y = cell.rays[b], &z = cell.rays[c];
+    const Pencil &x = ray(a), &y = ray(b), &z = ray(c);
     return (x.o - 2.0 * y.o + z.o).norm() / scale_ + (x.w - 2.0 * y.w + z.w).norm();
   };
   double first = 0.0, second = 0.0;
@@ -245,41 +287,48 @@ int PathSearch::split(int index) {
   return first;
 }
 
-bool PathSearch::may_pass(const Cell& cell, const Point& p, Locus& locus) const {
+// True unless no ray of the cell comes within `radius` of p. The locus is that of p.
+bool PathSearch::may_pass(const Cell& cell, const Point& p, double radius, Locus& locus) const {
   const Vec3 d = p - cell.o;
   const double tau = cell.w.dot(d);
-  if (tau < -cell.behind) return false;
+  if (tau < -cell.behind - radius) return false;
   locus.target = {cell.u.dot(d), cell.v.dot(d)};
-  const double reach = cell.reach_o + std::abs(tau) * cell.reach_w;
+  const double reach = cell.reach_o + (std::abs(tau) + radius) * cell.reach_w + radius;
   if (locus.target.squaredNorm() > reach * reach) return false;
   if (cell.kind == Kind::broken) return true;
 
-  for (int k = 0; k < 9; ++k) {
-    const LocalRay& ray = cell.rays[k];
-    locus.y[k] = ray.o.head<2>() + ((tau - ray.o.z()) / ray.w.z()) * ray.w.head<2>();
-  }
-  const auto& y = locus.y;
-  const auto bend = [&](int a, int b, int c) { return (y[a] - 2.0 * y[b] + y[c]).norm(); };
-  locus.ss = max3(bend(0, 1, 2), bend(3, 4, 5), bend(6, 7, 8));
-  locus.tt = max3(bend(0, 3, 6), bend(1, 4, 7), bend(2, 5, 8));
-  locus.st = 0.25 * (y[0] - y[2] - y[6] + y[8]).norm();
+  auto& y = locus.y;
+  const auto meet = [&](int k) { y[k] = cell.rays[k].at + tau * cell.rays[k].slope; };
+  for (const int k : kCorners) meet(k);
+  // A first look at the box about the corners and all that second differences could be.
+  const double far = std::abs(tau) + radius;
+  const double around = kImageReach * (cell.bending_o + far * cell.bending_w) + radius +
+                        radius / kSpreadFactor * cell.reach_w;
+  const Vec2 lo = y[0].cwiseMin(y[2]).cwiseMin(y[6].cwiseMin(y[8])) - locus.target;
+  const Vec2 hi = y[0].cwiseMax(y[2]).cwiseMax(y[6].cwiseMax(y[8])) - locus.target;
+  if (lo.maxCoeff() > around || hi.minCoeff() < -around) return false;
+  for (const int k : {1, 3, 4, 5, 7}) meet(k);
+  const Bending bending(y);
+  locus.bending = bending.ss + 2.0 * bending.st + bending.tt;
   locus.b_s = 0.5 * (y[5] - y[3]);
   locus.b_t = 0.5 * (y[7] - y[1]);
-  const double beyond = kImageReach * (locus.ss + locus.tt);
+  // Within the ball the target moves by the radius, each ray by its slope and second differences by
+  // those of the slopes times as much.
+  const double beyond = kImageReach * (bending.ss + bending.tt + radius * cell.bending_w) + radius;
   // The image lies between its corners, along any direction, but for what it bends beyond.
   const auto apart = [&](const Vec2& axis) {
     const double at = axis.dot(locus.target), size = beyond * axis.norm();
-    double lo = at, hi = at;
     bool below = true, above = true;
-    for (const int k : {0, 2, 6, 8}) {
-      const double value = axis.dot(y[k]);
-      below &= value + size < lo;
-      above &= value - size > hi;
+    for (const int k : kCorners) {
+      const double value = axis.dot(y[k]) - at;
+      const double moves =
+          radius > 0.0 ? size + radius * std::abs(axis.dot(cell.rays[k].slope)) : size;
+      below &= value < -moves;
+      above &= value > moves;
     }
     return below || above;
   };
-  return !apart({1, 0}) && !apart({0, 1}) && !apart({-locus.b_s.y(), locus.b_s.x()}) &&
-         !apart({-locus.b_t.y(), locus.b_t.x()});
+  return !apart({-locus.b_s.y(), locus.b_s.x()}) && !apart({-locus.b_t.y(), locus.b_t.x()});
 }
 
 // Newton on the miss of p across the ray, along the first surface.
@@ -297,7 +346,7 @@ void PathSearch::refine(const Point& start, const Point& p, Answer& answer) cons
   };
   Pencil pencil;
   Point x = start, before = start;
-  double last = geometry::kInfinity;
+  double last = 0.0;
   for (int k = 0; k < kMaxNewtonSteps; ++k) {
     if (!x.allFinite()) return;
     if (!tracer_.trace(x, pencil)) {
@@ -326,8 +375,10 @@ void PathSearch::refine(const Point& start, const Point& p, Answer& answer) cons
       size = room;
     }
     x = project(x + step);
-    if (size <= kLastStep * scale_ || (size <= 1e-6 * scale_ && size > 0.5 * last)) {
-      if (!tracer_.trace(x, pencil) || !(pencil.w.dot(p - pencil.o) > 0.0)) return;
+    // Quadratic convergence: C δ² after δ.
+    const double next = k > 0 ? size * (size / last) * (size / last) : size;
+    if (next <= kNextStep * scale_ || (k > 0 && size <= 1e-6 * scale_ && size > 0.5 * last)) {
+      if (!tracer_.trace_ray(x, pencil) || !(pencil.w.dot(p - pencil.o) > 0.0)) return;
       for (const Pencil& other : answer.pencils) {
         if ((other.hits[0] - x).norm() <= kSameSolution * scale_) return;
       }
@@ -346,12 +397,32 @@ void PathSearch::refine_from_samples(const Cell& cell, const Point& p, Answer& a
   }
 }
 
+// Of these cells and what they have been divided into, those that may send light into a ball.
+std::vector<int> PathSearch::narrowed(const std::vector<int>& cells, const Point& p,
+                                      double radius) const {
+  std::vector<int> left, stack = cells;
+  while (!stack.empty()) {
+    const int index = stack.back();
+    const Cell& cell = cells_[index];
+    stack.pop_back();
+    if (cell.kind == Kind::dead) continue;
+    Locus locus;
+    if (cell.kind != Kind::wide && !may_pass(cell, p, radius, locus)) continue;
+    if (cell.children >= 0 && !(cell.kind == Kind::smooth && locus.injective())) {
+      for (int k = 0; k < 4; ++k) stack.push_back(cell.children + k);
+    } else {
+      left.push_back(index);
+    }
+  }
+  return left;
+}
+
 PathSearch::Answer PathSearch::through(const Point& p) {
   Answer answer;
   const std::size_t limit = cells_.size() + kMaxNewCells;
-  const int roots = static_cast<int>(charts_.size()) * base_ * base_;
-  stack_.clear();
-  for (int k = 0; k < roots; ++k) stack_.push_back(k);
+  stack_ = places_.at(p, [&](const auto& cells, const Point& centre, double radius) {
+    return narrowed(cells, centre, radius);
+  });
   while (!stack_.empty()) {
     const int index = stack_.back();
     stack_.pop_back();
@@ -367,15 +438,15 @@ PathSearch::Answer PathSearch::through(const Point& p) {
     Locus locus;
     if (kind != Kind::wide) {
       const Cell& cell = cells_[index];
-      if (!may_pass(cell, p, locus)) continue;
+      if (!may_pass(cell, p, 0.0, locus)) continue;
       if (kind == Kind::smooth && locus.injective()) {
-        const double det = locus.b_s.x() * locus.b_t.y() - locus.b_s.y() * locus.b_t.x();
-        const Vec2 m = locus.target - locus.y[4];
-        const double s = (m.x() * locus.b_t.y() - m.y() * locus.b_t.x()) / det;
-        const double t = (locus.b_s.x() * m.y() - locus.b_s.y() * m.x()) / det;
         // The linear image misses by at most half a bending over the least stretch.
         const double slack = 1.0 + 1.0 / kInjective;
-        if (std::abs(s) <= slack && std::abs(t) <= slack) refine(place(cell, s, t), p, answer);
+        const Vec2 st = locus.linear_preimage(locus.target);
+        if (st.cwiseAbs().maxCoeff() <= slack) {
+          const Vec2 better = locus.preimage(st);
+          refine(place(cell, better.x(), better.y()), p, answer);
+        }
         continue;
       }
       split_further = true;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "geometry/chart.h"
+#include "solver/location_tree.h"
 #include "solver/pencil.h"
 
 namespace caustic::solver {
@@ -30,9 +31,10 @@ class PathSearch {
   std::size_t cells() const { return cells_.size(); }
 
  private:
-  // A ray in the frame (u, v, w) of a cell: places relative to its middle ray's o.
+  using Vec2 = geometry::Vec2;
+  // A ray in the frame (u, v, w) of a cell: it meets the plane w·(x − o) = τ at `at` + τ `slope`.
   struct LocalRay {
-    Vec3 o, w;
+    Vec2 at = Vec2::Zero(), slope = Vec2::Zero();
   };
   enum class Kind : std::uint8_t { dead, broken, wide, smooth };
   struct Cell {
@@ -41,9 +43,10 @@ class PathSearch {
     int children = -1;  // first of four
     Direction u, v, w;
     Point o;
-    std::array<LocalRay, 9> rays;         // 3 × 3, s fastest
-    double reach_o = 0.0, reach_w = 0.0;  // spread of places and directions across w, inflated
-    double behind = 0.0;                  // how far before o a ray of the cell may start
+    std::array<LocalRay, 9> rays;             // 3 × 3, s fastest
+    double reach_o = 0.0, reach_w = 0.0;      // spread of places and directions across w, inflated
+    double bending_o = 0.0, bending_w = 0.0;  // largest second differences of rays
+    double behind = 0.0;                      // how far before o a ray of the cell may start
   };
   struct Sample {
     Point x;
@@ -51,6 +54,7 @@ class PathSearch {
     bool valid;
     bool lit;  ///< the light comes from the side that it can come from
   };
+  struct Bending;
   struct Locus;  // a cell's image in the plane through p across its middle ray
 
   int sample(int chart, int i, int j);
@@ -58,9 +62,10 @@ class PathSearch {
   int lit_from(const Point& x) const;
   double apparent_size(const Point& middle, double radius) const;
   bool may_come(const Point& middle, double radius) const;
-  bool jumps(const Cell& cell) const;
+  bool jumps(const std::array<int, 9>& samples) const;
   int split(int cell);
-  bool may_pass(const Cell& cell, const Point& p, Locus& locus) const;
+  bool may_pass(const Cell& cell, const Point& p, double radius, Locus& locus) const;
+  std::vector<int> narrowed(const std::vector<int>& cells, const Point& p, double radius) const;
   void refine(const Point& start, const Point& p, Answer& answer) const;
   void refine_from_samples(const Cell& cell, const Point& p, Answer& answer);
   Point place(const Cell& cell, double s, double t) const;
@@ -73,6 +78,7 @@ class PathSearch {
   std::vector<Sample> samples_;
   std::unordered_map<std::uint64_t, int> known_;
   std::vector<int> stack_;
+  LocationTree places_;
 };
 
 }  // namespace caustic::solver

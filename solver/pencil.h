@@ -28,7 +28,7 @@ struct Pencil {
   Point o;  ///< last hit
   Direction w;
   Mat3 dx, dw;  ///< ∂o/∂x₁, ∂w/∂x₁
-  std::array<Point, kMaxPathHops> hits;
+  std::array<Point, kMaxHops> hits;
   /// Where a ray is lost that misses surface `missed`, all of the above is as it was before; −1
   /// otherwise.
   int missed = -1;

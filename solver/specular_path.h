@@ -5,15 +5,13 @@
 #include <vector>
 
 #include "geometry/surface.h"
+#include "solver/optics.h"
 
 namespace caustic::solver {
 
 using geometry::Mat3;
 using geometry::Point;
 using geometry::Vec3;
-
-/// Longest path (api.md); it bounds the size of the system below, which lives on the stack.
-constexpr int kMaxPathHops = 8;
 
 /// What happens at one point of a path. `index_before` is that of the medium the light comes
 /// through; for reflection both are the same.
@@ -43,9 +41,9 @@ struct SpecularPath {
 };
 
 /// Unknowns (x₁, λ₁, …, x_N, λ_N), four per hop.
-using PathVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 4 * kMaxPathHops, 1>;
+using PathVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 4 * kMaxHops, 1>;
 using PathMatrix =
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 4 * kMaxPathHops, 4 * kMaxPathHops>;
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 4 * kMaxHops, 4 * kMaxHops>;
 
 /// Residual F of (S30) and its symmetric, block tridiagonal derivative A.
 struct FermatSystem {

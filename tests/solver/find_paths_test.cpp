@@ -187,6 +187,37 @@ TEST(FindPaths, ThroughAPlaneInterfaceFollowSnell) {
   }
 }
 
+// What a finder remembers of earlier questions, close together and far apart, changes no answer: a
+// new one knows nothing.
+TEST(FindPaths, AnswersDoNotDependOnEarlierQuestions) {
+  const auto system = scene_of(
+      {test::mirror(geometry::make_ellipsoid({0, 0, 0}, {2.6, 2.2, 3.0}, Mat3::Identity())),
+       test::mirror(geometry::make_torus({0, 0, 0.4}, Vec3(1, 2, 2) / 3.0, 1.0, 0.3))});
+  for (const Family& family : {Family{0}, Family{1}, Family{1, 0}}) {
+    Random random(7106);
+    PathFinder finder(system, family, PointLight{{0.3, 0.2, -1.5}, 1.0});
+    std::size_t compared = 0, most = 0;
+    for (int k = 0; k < 5 * kPairs; ++k) {
+      // Two patches of a plane, all of space about the scene, and far away.
+      Point p(random.uniform(-1.5, -0.5), random.uniform(-1, 1), -1.0);
+      if (k % 3 == 1) p = {random.uniform(1.0, 1.01), random.uniform(0.5, 0.51), 0.7};
+      if (k % 10 == 0) p = random.in_cube(2.0);
+      if (k % 50 == 0) p *= 40.0;
+      const auto used = finder.to(p);
+      if (k % 10 > 2) continue;
+      const auto fresh = PathFinder(system, family, finder.tracer().light()).to(p);
+      ASSERT_EQ(used.paths.size(), fresh.paths.size()) << k << ": " << p.transpose();
+      for (std::size_t i = 0; i < used.paths.size(); ++i) {
+        EXPECT_LT((used.paths[i].path.x[0] - fresh.paths[i].path.x[0]).norm(), 1e-11);
+      }
+      compared += used.paths.size();
+      most = std::max(most, used.paths.size());
+    }
+    EXPECT_GT(compared, static_cast<std::size_t>(kPairs / 2));
+    EXPECT_GE(most, 2u);
+  }
+}
+
 // Every path of an ellipsoid between its foci: not a list, and it does not hang.
 TEST(FindPaths, PerfectFocusIsUndecided) {
   const auto system = scene_of(
