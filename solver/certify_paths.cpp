@@ -98,11 +98,14 @@ class Search {
   enum class Verdict { empty, one, contracted, none };
 
   void treat(PathBox& box);
-  bool impossible(const PathBox& box);
+  bool impossible(PathBox& box);
+  bool follow(PathBox& box, int from, int to);
+  bool chord_too_short(const PathBox& box, int i) const;
   bool promising(const PathBox& box) const;
   Verdict krawczyk(const PathBox& widened, PathBox& box);
   void accept(PathBox box);
   void divide(const PathBox& box);
+  bool holds_only_a_point(const PathBox& box);
   void enclose(const PathBox& box);
   Interval residual(int i, int row, const IntervalVec3& tangent) const;
   double widest(const PathBox& box, int& hop, int& axis) const;
@@ -149,9 +152,76 @@ void Search::enclose(const PathBox& box) {
   }
 }
 
+// (S42): what leaves hop `at` towards its neighbour `to`, before or after it, has the direction
+// that the law gives to what comes from the other side, and the neighbour lies along it. Both are
+// cut down to that; true if nothing is left.
+bool Search::follow(PathBox& box, int at, int to) {
+  const bool forward = to > at;
+  const EnclosedSegment& given = spans_[forward ? at : at + 1];
+  EnclosedSegment& leaving = spans_[forward ? at + 1 : at];
+  const IntervalVec3& N = surface_[at].gradient;
+  const Interval NN = geometry::squared_norm(N);
+  if (!(NN.lo > 0.0)) return false;
+  const Interval along = dot(N, given.w);
+  IntervalVec3 w;
+  if (surfaces_[at].reflects) {
+    const Interval twice = 2.0 * along / NN;
+    for (int a = 0; a < 3; ++a) w[a] = given.w[a] - twice * N[a];
+  } else {
+    const double eta = forward ? index_[at] / index_[at + 1] : index_[at + 1] / index_[at];
+    // Light passes: both directions have the sign that `sides_` gives to N·w, here N pointing on.
+    const Interval root = sqrt((1.0 - sqr(Interval(eta))) * NN + sqr(Interval(eta)) * sqr(along));
+    if (root.empty()) return true;
+    const Interval share = ((sides_[at] > 0 ? -root : root) - eta * along) / NN;
+    for (int a = 0; a < 3; ++a) w[a] = Interval(eta) * given.w[a] + share * N[a];
+  }
+  for (int a = 0; a < 3; ++a) {
+    leaving.w[a] = geometry::intersection(leaving.w[a], w[a]);
+    if (leaving.w[a].empty()) return true;
+  }
+  // Along the axis that light follows best: its length, and with it the other coordinates.
+  const IntervalVec3 v = subtract(box.x[to], box.x[at]);
+  int best = 0;
+  for (int a = 1; a < 3; ++a) {
+    if (leaving.w[a].mignitude() > leaving.w[best].mignitude()) best = a;
+  }
+  if (!(leaving.w[best].mignitude() > 0.0)) return false;
+  Interval length = v[best] / leaving.w[best];
+  if (forward ? length.hi < 0.0 : length.lo > 0.0) return true;
+  length = forward ? Interval(std::max(0.0, length.lo), length.hi)
+                   : Interval(length.lo, std::min(0.0, length.hi));
+  for (int a = 0; a < 3; ++a) {
+    box.x[to][a] = geometry::intersection(box.x[to][a], box.x[at][a] + length * leaving.w[a]);
+    if (box.x[to][a].empty()) return true;
+  }
+  return false;
+}
+
+// (S40): the chord from hop i to the next on the same surface is at least twice |∇g·w| over the
+// Hessian, at each of its ends; where light comes from or goes to on the other side says how much
+// that is.
+bool Search::chord_too_short(const PathBox& box, int i) const {
+  const auto steepness = [&](int hop, const IntervalVec3& other, double eta) {
+    const IntervalVec3& N = surface_[hop].gradient;
+    return ((1.0 - sqr(Interval(eta))) * geometry::squared_norm(N) +
+            sqr(Interval(eta)) * sqr(dot(N, other)))
+        .lo;
+  };
+  // Index at the segment before hop k is index_[k].
+  const double most = std::max(steepness(i, spans_[i].w, index_[i] / index_[i + 1]),
+                               steepness(i + 1, spans_[i + 2].w, index_[i + 2] / index_[i + 1]));
+  if (!(most > 0.0)) return false;
+  IntervalVec3 around;
+  for (int a = 0; a < 3; ++a) around[a] = hull(box.x[i][a], box.x[i + 1][a]);
+  const geometry::IntervalSym3 H = surfaces_[i].shape->enclose(around).hessian;
+  const Interval HH = sqr(H[0]) + sqr(H[3]) + sqr(H[5]) + 2.0 * (sqr(H[1]) + sqr(H[2]) + sqr(H[4]));
+  const Interval dd = geometry::squared_norm(subtract(box.x[i + 1], box.x[i]));
+  return (Interval(4.0) * Interval(most)).lo > (HH * dd).hi;
+}
+
 // No point of the box is on the surfaces, sends light the right way, or satisfies Fermat's
 // condition ∇g × (n_{i−1} w_{i−1} − n_i w_i) = 0.
-bool Search::impossible(const PathBox& box) {
+bool Search::impossible(PathBox& box) {
   for (int i = 0; i < n_; ++i) {
     surface_[i] = surfaces_[i].shape->enclose(box.x[i]);
     if (!surface_[i].g.contains_zero()) return true;
@@ -167,6 +237,15 @@ bool Search::impossible(const PathBox& box) {
   }
   for (int k = 0; k <= n_; ++k) {
     spans_[k] = span_between(k == 0 ? from_ : box.x[k - 1], k == n_ ? to_ : box.x[k]);
+  }
+  for (int i = 0; i + 1 < n_; ++i) {
+    if (follow(box, i, i + 1)) return true;
+  }
+  for (int i = n_ - 1; i > 0; --i) {
+    if (follow(box, i, i - 1)) return true;
+  }
+  for (int i = 0; i + 1 < n_; ++i) {
+    if (surfaces_[i].shape == surfaces_[i + 1].shape && chord_too_short(box, i)) return true;
   }
   for (int i = 0; i < n_; ++i) {
     const IntervalVec3& N = surface_[i].gradient;
@@ -377,11 +456,27 @@ void Search::accept(PathBox box) {
   result_.roots.push_back(std::move(root));
 }
 
+// (S41): ∇g may vanish and the Hessian is definite, so g = 0 is an isolated point of no direction,
+// or a sheet that closes within boxes of this size.
+bool Search::holds_only_a_point(const PathBox& box) {
+  for (int i = 0; i < n_; ++i) {
+    const auto& [g, N, H] = surfaces_[i].shape->enclose(box.x[i]);
+    if (!N[0].contains_zero() || !N[1].contains_zero() || !N[2].contains_zero()) continue;
+    // Sylvester's minors: of one sign, or alternating.
+    const Interval second = H[0] * H[3] - sqr(H[1]);
+    const Interval third = H[0] * (H[3] * H[5] - sqr(H[4])) - H[1] * (H[1] * H[5] - H[4] * H[2]) +
+                           H[2] * (H[1] * H[4] - H[3] * H[2]);
+    if (second.lo > 0.0 && ((H[0].lo > 0.0 && third.lo > 0.0) || (H[0].hi < 0.0 && third.hi < 0.0)))
+      return true;
+  }
+  return false;
+}
+
 void Search::divide(const PathBox& box) {
   int hop = 0, axis = 0;
   const double width = widest(box, hop, axis);
   if (!(width > options_.smallest * scale_)) {
-    ++result_.undecided;
+    result_.undecided += !holds_only_a_point(box);
     return;
   }
   // Not in the middle: symmetric scenes have their roots there.

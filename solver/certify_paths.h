@@ -1,5 +1,5 @@
 // All specular paths between two points, proven to be all: interval Newton by Krawczyk's operator
-// in a branch and bound over the surfaces. [MH] §5.3; NOTATION.md (S38), (S39).
+// in a branch and bound over the surfaces. [MH] §5.3; NOTATION.md (S38)–(S42).
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@ namespace caustic::solver {
 
 struct CertifyOptions {
   /// Boxes looked at before the rest is given up as undecided.
-  std::size_t max_boxes = 200000;
+  std::size_t max_boxes = 500000;
   /// Boxes smaller than this share of the scene are not divided: what is left there is a double
   /// root, a path that grazes, or a whole curve of paths.
   double smallest = 1e-7;

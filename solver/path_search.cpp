@@ -216,9 +216,20 @@ void PathSearch::make(Cell& cell) {
     // A single sample has no spread: derivatives say what the rays between do.
     for (int k = 0; k < 9; ++k) {
       Pencil pencil;
-      if (!samples_[index[k]].valid || !tracer_.trace(samples_[index[k]].x, pencil)) continue;
+      const Point& x = samples_[index[k]].x;
+      if (!samples_[index[k]].valid || !tracer_.trace(x, pencil)) continue;
+      // Along the surface: off it they have no bound where light leaves grazing as it came.
+      Vec3 N;
+      tracer_.first().shape->value_gradient(x, N);
+      const Mat3 along = Mat3::Identity() - N * N.transpose() / N.squaredNorm();
+      pencil.dx *= along;
+      pencil.dw *= along;
       cell.reach_o = std::max(cell.reach_o, radius * pencil.dx.norm());
-      cell.reach_w = std::max(cell.reach_w, radius * pencil.dw.norm());
+      // Angles add up; from a right one on the plane across the middle ray is not met.
+      const double angle =
+          std::atan(cell.rays[k].slope.norm()) + kSpreadFactor * radius * pencil.dw.norm();
+      cell.reach_w = std::max(cell.reach_w,
+                              angle < 0.5 * geometry::kPi ? std::tan(angle) : geometry::kInfinity);
       cell.behind = std::max(cell.behind, radius * pencil.dx.norm());
     }
   }

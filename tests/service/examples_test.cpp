@@ -10,6 +10,7 @@
 
 #include "service/api/contour_json.h"
 #include "tests/support/contour_checks.h"
+#include "tests/support/sheet_grid.h"
 
 namespace caustic::service {
 namespace {
@@ -19,9 +20,9 @@ using solver::ContourResult;
 using solver::Curve;
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr int kGrid = 20;
+constexpr int kGrid = 20, kHopGrid = 12;
 #else
-constexpr int kGrid = 60;
+constexpr int kGrid = 60, kHopGrid = 36;
 #endif
 
 void expect_complete(const solver::OpticalSystem& system, const ContourResult& result,
@@ -55,6 +56,31 @@ void expect_complete(const solver::OpticalSystem& system, const ContourResult& r
   EXPECT_TRUE(families_checked == 0 || places_seen > 0);
 }
 
+// Of families of several hops the grid is on the receiver, and every change of sign on a sheet is
+// near a curve.
+void expect_complete_over_hops(const solver::OpticalSystem& system, const ContourResult& result,
+                               double within) {
+  for (const auto& family : result.families) {
+    if (family.surfaces.size() < 2) continue;
+    std::vector<double> levels;
+    for (std::size_t i = 0; i < result.levels.size(); i += 3) levels.push_back(result.levels[i]);
+    const auto [places, lost] = test::places_on_sheets(system, family.surfaces, levels, kHopGrid);
+    std::size_t missed = 0;
+    for (const auto& place : places) {
+      double least = geometry::kInfinity;
+      for (const Curve& c : result.curves) {
+        if (c.level != place.level || c.parity != place.parity || c.family_id != family.id)
+          continue;
+        least = std::min(least, test::distance_to(c, place.q));
+      }
+      missed += least > within;
+    }
+    EXPECT_EQ(missed, 0u) << "of " << places.size() << ", family " << family.id;
+    EXPECT_LE(lost, static_cast<int>(places.size()) / 10) << "family " << family.id;
+    EXPECT_GT(places.size(), static_cast<std::size_t>(kHopGrid)) << "family " << family.id;
+  }
+}
+
 class EveryExample : public testing::TestWithParam<std::string> {};
 
 TEST_P(EveryExample, IsTraced) {
@@ -65,6 +91,7 @@ TEST_P(EveryExample, IsTraced) {
   EXPECT_FALSE(result.curves.empty());
   test::expect_sound(call.system, result, call.request.irradiance_tolerance, GetParam());
   expect_complete(call.system, result, 1.5e-4 * call.system.receiver().width());
+  expect_complete_over_hops(call.system, result, 1.5e-4 * call.system.receiver().width());
 }
 
 std::vector<std::string> names() {

@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <iostream>
 
+#include "geometry/expression/field.h"
 #include "solver/paths_between.h"
 #include "tests/support/random.h"
 #include "tests/support/scenes.h"
@@ -87,6 +89,14 @@ TEST(CertifyPaths, AgreesWithTheSearchAroundAVase) {
       geometry::make_revolution({0, 0, -1}, {0, 0, 1}, 2.0, {0.47, 3.90, -9.78, 5.80});
   EXPECT_GE(compare(vase.surface, 2.0, 7206).most, 2);
 }
+TEST(CertifyPaths, AgreesWithTheSearchAroundACuboid) {
+  // [MH] Plate 4; its expression vanishes at the centre as well.
+  const auto cuboid =
+      geometry::make_expression(geometry::read_expression("x^4+y^4+z^4-x^2-y^2-z^2", 1.0),
+                                geometry::Box::around(Point::Zero(), 1.3),
+                                geometry::Pose::make({0, 0, 1}, 0.0, Vec3::Zero()));
+  EXPECT_GE(compare(cuboid.surface, 2.0, 7209).most, 3);
+}
 TEST(CertifyPaths, AgreesWithTheSearchAtAPlane) {
   EXPECT_EQ(compare(geometry::make_plane({0, 0, 0.1}, Vec3(1, 0, 3).normalized()), 2.0, 7205).most,
             1);
@@ -146,6 +156,33 @@ TEST(CertifyPaths, AgreesWithTheSearchUnderWater) {
     paths += static_cast<int>(fast.paths.size());
   }
   EXPECT_GE(paths, pairs() / 10);
+}
+
+// In at one place of a ball and out at another: the same surface follows itself, and no chord is
+// too short to be told from none.
+TEST(CertifyPaths, AgreesWithTheSearchThroughABall) {
+  SystemSurface ball = test::mirror(geometry::make_sphere({0, 0, 0}, 1.0));
+  ball.optics.kind = Optics::Kind::refract;
+  ball.optics.index_inside = 1.5;
+  const auto system = OpticalSystem::build(PointLight{{0, 0, 3}, 1.0}, {ball},
+                                           test::floor_at({0, 0, -2}, 4.0, 4.0));
+  const PathSurface hop = path_surface(system.surfaces()[0]);
+  const geometry::Box& region = system.surfaces()[0].region;
+  Random random(99);
+  std::size_t paths = 0;
+  const int count = std::clamp(pairs() / 10, 1, 4);
+  for (int k = 0; k < count; ++k) {
+    const Point from = random.uniform(1.2, 3.5) * random.direction();
+    const Point to = random.uniform(1.2, 3.5) * random.direction();
+    const auto proven = certify_paths({hop, hop}, {region, region}, from, to, system.diameter());
+    EXPECT_EQ(proven.undecided, 0u) << proven.boxes << " boxes";
+    PathFinder finder(system, {0, 0}, PointLight{from, 1.0});
+    std::size_t admitted = 0;
+    for (const auto& root : proven.roots) admitted += finder.admit(root, to).has_value();
+    EXPECT_EQ(admitted, finder.to(to).paths.size());
+    paths += admitted;
+  }
+  EXPECT_TRUE(count < 4 || paths > 0);
 }
 
 TEST(CertifyPaths, AWholeCircleOfPathsStaysUndecided) {
