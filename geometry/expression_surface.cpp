@@ -94,6 +94,12 @@ class ExpressionSurface final : public Surface {
     const Mat3& R = pose_.rotation;
     return R * field_->third_derivative(local(x), R.transpose() * u, R.transpose() * v);
   }
+  ThirdDerivatives third_derivatives(const Point& x, const Vec3& u, const Vec3& v) const override {
+    if (field_->third_derivative_vanishes()) return {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+    const Mat3& R = pose_.rotation;
+    const auto T = field_->third_derivatives(local(x), R.transpose() * u, R.transpose() * v);
+    return {R * T[0], R * T[1], R * T[2]};
+  }
   SurfaceEnclosure enclose(const IntervalVec3& x) const override {
     SurfaceEnclosure e;
     if (aligned_) {

@@ -24,6 +24,11 @@ struct SurfaceDerivatives {
   Mat3 hessian;
 };
 
+/// T(u, u), T(u, v) and T(v, v) for the third derivative T.
+struct ThirdDerivatives {
+  Vec3 uu, uv, vv;
+};
+
 /// Parameters along a ray, increasing. A fixed capacity would do for every shape but aspheres.
 using RayParameters = std::vector<double>;
 
@@ -37,6 +42,10 @@ class Surface {
   virtual SurfaceDerivatives derivatives(const Point& x) const = 0;
   /// Σ_jk g_ijk u_j v_k, the third derivative contracted twice. Zero for planes and quadrics.
   virtual Vec3 third_derivative(const Point& x, const Vec3& u, const Vec3& v) const = 0;
+  /// All that two directions ask for at a point.
+  virtual ThirdDerivatives third_derivatives(const Point& x, const Vec3& u, const Vec3& v) const {
+    return {third_derivative(x, u, u), third_derivative(x, u, v), third_derivative(x, v, v)};
+  }
   /// Ranges of g, ∇g and the Hessian over a box, up to the rounding of the surface's own constants.
   virtual SurfaceEnclosure enclose(const IntervalVec3& x) const = 0;
   /// True for planes: light that leaves one does not meet it again.

@@ -168,16 +168,16 @@ Vec3 along(const FieldPoint& f, double s, double t) { return s * f.e1 + t * f.e2
          2.0 * (N_s.dot(N_t) + k12 * N_Hg),
          2.0 * (N_t.dot(N_t) + k22 * N_Hg)};
   if (!quadratic_) {
-    const auto add_third = [&](const Vec3& u, const Vec3& v, Vec3& N_uv, double& dN_uv,
-                               double& NN_uv) {
-      const Vec3 T_uv = R * shape().third_derivative(f.x, u, v);
+    const geometry::ThirdDerivatives T = shape().third_derivatives(f.x, f.e1, f.e2);
+    const auto add_third = [&](const Vec3& T_in_world, Vec3& N_uv, double& dN_uv, double& NN_uv) {
+      const Vec3 T_uv = R * T_in_world;
       N_uv += T_uv;
       dN_uv += d.dot(T_uv);
       NN_uv += 2.0 * N.dot(T_uv);
     };
-    add_third(f.e1, f.e1, N_ss, dN.ss, NN.ss);
-    add_third(f.e1, f.e2, N_st, dN.st, NN.st);
-    add_third(f.e2, f.e2, N_tt, dN.tt, NN.tt);
+    add_third(T.uu, N_ss, dN.ss, NN.ss);
+    add_third(T.uv, N_st, dN.st, NN.st);
+    add_third(T.vv, N_tt, dN.tt, NN.tt);
   }
   const Jet kappa = 2.0 * (dN / NN);
 

@@ -85,9 +85,10 @@ VecJet normal_jet(const geometry::Surface& shape, const SurfaceDerivatives& at, 
   const auto& H = at.hessian;
   VecJet N{at.gradient, H * x.s, H * x.t, H * x.ss, H * x.st, H * x.tt};
   if (!shape.at_most_quadratic()) {
-    N.ss += shape.third_derivative(x.v, x.s, x.s);
-    N.st += shape.third_derivative(x.v, x.s, x.t);
-    N.tt += shape.third_derivative(x.v, x.t, x.t);
+    const auto T = shape.third_derivatives(x.v, x.s, x.t);
+    N.ss += T.uu;
+    N.st += T.uv;
+    N.tt += T.vv;
   }
   return N;
 }

@@ -46,12 +46,22 @@ Field::Field(Expression expression, double factor) {
     outputs.push_back(graph.derivative(gradient[static_cast<std::size_t>(i)], axis));
   }
   second_ = Program(graph, outputs, kPointInputs);
+  for (std::size_t k = 0; k < 3; ++k) {
+    constexpr std::size_t kDiagonal[3] = {4, 7, 9};
+    axis_[k] = Program(graph, {g, outputs[1 + k], outputs[kDiagonal[k]]}, kPointInputs);
+  }
 
   // Σ_jk g_ijk u_j v_k = ∂_i (uᵀ H v): twice forward, once in reverse.
   const std::vector<Id> u = variables(graph, 3), v = variables(graph, 6);
   const Id along_u = graph.derivative(g, u);
   const std::vector<Id> third = graph.gradient(graph.derivative(along_u, v), kPointInputs);
   third_ = Program(graph, third, kThirdInputs);
+  std::vector<Id> thirds = graph.gradient(graph.derivative(along_u, u), kPointInputs);
+  const std::vector<Id> vv =
+      graph.gradient(graph.derivative(graph.derivative(g, v), v), kPointInputs);
+  thirds.insert(thirds.end(), third.begin(), third.end());
+  thirds.insert(thirds.end(), vv.begin(), vv.end());
+  thirds_ = Program(graph, thirds, kThirdInputs);
   third_vanishes_ =
       std::all_of(third.begin(), third.end(), [&](Id id) { return graph.is_constant(id, 0.0); });
 
@@ -93,6 +103,19 @@ Vec3 Field::third_derivative(const Point& x, const Vec3& u, const Vec3& v) const
   const double in[kThirdInputs] = {x[0], x[1], x[2], u[0], u[1], u[2], v[0], v[1], v[2]};
   Vec3 out;
   third_.run(in, out.data());
+  return out;
+}
+
+std::array<Vec3, 3> Field::third_derivatives(const Point& x, const Vec3& u, const Vec3& v) const {
+  const double in[kThirdInputs] = {x[0], x[1], x[2], u[0], u[1], u[2], v[0], v[1], v[2]};
+  double out[9];
+  thirds_.run(in, out);
+  return {Vec3(out[0], out[1], out[2]), Vec3(out[3], out[4], out[5]), Vec3(out[6], out[7], out[8])};
+}
+
+std::array<double, 3> Field::along_axis(const Point& x, int k) const {
+  std::array<double, 3> out;
+  axis_[static_cast<std::size_t>(k)].run(x.data(), out.data());
   return out;
 }
 

@@ -33,6 +33,10 @@ class Field {
   double value_gradient(const Point& x, Vec3& gradient) const;
   double derivatives(const Point& x, Vec3& gradient, Mat3& hessian) const;
   Vec3 third_derivative(const Point& x, const Vec3& u, const Vec3& v) const;
+  /// (u, u), (u, v) and (v, v) at once.
+  std::array<Vec3, 3> third_derivatives(const Point& x, const Vec3& u, const Vec3& v) const;
+  /// g, ∂g/∂x_k and ∂²g/∂x_k² at x.
+  std::array<double, 3> along_axis(const Point& x, int k) const;
   bool third_derivative_vanishes() const { return third_vanishes_; }
 
   /// False if the field is not defined everywhere on the box; the ranges hold where it is.
@@ -50,8 +54,9 @@ class Field {
  private:
   int degree_;
   bool third_vanishes_;
-  Program value_, first_, second_, third_, taylor_;
+  Program value_, first_, second_, third_, thirds_, taylor_;
   std::array<Program, 4> along_;
+  std::array<Program, 3> axis_;
 };
 
 }  // namespace caustic::geometry

@@ -159,6 +159,10 @@ TEST(Field, DerivativesEqualDifferencesOfFiftyDigits) {
       EXPECT_EQ(field.value(x), g) << text;
       EXPECT_EQ(field.value_gradient(x, same), g) << text;
       EXPECT_EQ(same, gradient) << text;
+      for (int k = 0; k < 3; ++k) {
+        const std::array<double, 3> along{g, gradient[k], hessian(k, k)};
+        EXPECT_EQ(field.along_axis(x, k), along) << text;
+      }
       const RealPoint X = moved(x, u, 0, v, 0);
       EXPECT_NEAR(static_cast<double>(oracle(X)), g, 1e-14 * size) << text;
       for (int a = 0; a < 3; ++a) {

@@ -80,6 +80,11 @@ TEST_P(EverySurface, DerivativesFollowFromTheValue) {
     const Vec3 third = 0.25 * (second(u + v) - second(u - v));
     const Vec3 given = surface_->third_derivative(x, u, v);
     EXPECT_NEAR((third - given).norm(), 0.0, 1e-6 * (size + given.norm()));
+    const auto all = surface_->third_derivatives(x, u, v);
+    const double rounding = 1e-13 * (size + given.norm());
+    EXPECT_NEAR((all.uv - given).norm(), 0.0, rounding);
+    EXPECT_NEAR((all.uu - surface_->third_derivative(x, u, u)).norm(), 0.0, rounding);
+    EXPECT_NEAR((all.vv - surface_->third_derivative(x, v, v)).norm(), 0.0, rounding);
     EXPECT_TRUE(!surface_->at_most_quadratic() || given.norm() == 0.0);
   }
 }
