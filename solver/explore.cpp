@@ -16,8 +16,11 @@ namespace caustic::solver {
 
 namespace {
 
-// Cells along a chart's side before any refinement, by the number of charts.
+// Cells along a chart's side before any refinement, by the number of charts: one, few on a surface that
+// is no quadric, or others.
 constexpr int kBaseOfOne = 12;
+constexpr int kBaseOfFew = 6;
+constexpr std::size_t kFewCharts = 12;
 constexpr int kBaseOfMany = 4;
 // Finest levels, counted from the base, for each reason to refine.
 constexpr int kBoundaryDepth = 2;  // the domain's boundary passes, or something hides a part
@@ -471,8 +474,13 @@ void Explorer::keep(const Square& c, const View& view) {
       {c.chart, std::move(polygon), whole, view.samples[4], view.radius, hidden_share(view)});
 }
 
+int base_for(std::size_t charts, bool quadratic) {
+  if (charts == 1) return kBaseOfOne;
+  return charts <= kFewCharts && !quadratic ? kBaseOfFew : kBaseOfMany;
+}
+
 Exploration Explorer::run() {
-  base_ = result_.charts.size() == 1 ? kBaseOfOne : kBaseOfMany;
+  base_ = base_for(result_.charts.size(), map_.shape().at_most_quadratic());
   opening_ = find_opening();
   known_.reserve(4096);
   result_.samples.reserve(4096);

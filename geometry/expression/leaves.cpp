@@ -150,70 +150,86 @@ Leaves cut_into_graphs(const Field& field, const Box& bounds) {
     queue.push_back(box);
     queue.back().min[k] = cut;
   }
+  leaves.graphs = merged(field, leaves);
   return leaves;
 }
 
 namespace {
 
-// The field along the leaf's axis at (s, t), and its values at the two ends.
-struct Column {
-  const Field& field;
-  int axis;
-  Point x;
-  double lo, hi, g_lo, g_hi;
+// A step of this share of the leaf's height is the last one: what is left is of the order of its
+// cube.
+constexpr double kLastStep = 1e-6;
+constexpr int kMostSteps = 200;
+// Where Halley's method would change Newton's step by more than this share, that is taken.
+constexpr double kMostBent = 0.5;
 
-  Column(const Field& f, const Leaf& leaf, double s, double t)
-      : field(f), axis(leaf.axis), lo(leaf.box.min[axis]), hi(leaf.box.max[axis]) {
-    const Vec3 size = leaf.box.max - leaf.box.min;
-    const int i = (axis + 1) % 3, j = (axis + 2) % 3;
-    x[i] = leaf.box.min[i] + s * size[i];
-    x[j] = leaf.box.min[j] + t * size[j];
-    g_lo = value(lo);
-    g_hi = value(hi);
+// Moves x along the leaf's axis to the zero of the field, which is monotone there: Halley's method
+// kept in a bracket. The leaf's ends are looked at only if a step leads beyond; where the zero
+// does, false.
+bool move_to_zero(const Field& field, const Leaf& leaf, Point& x) {
+  const int k = leaf.axis;
+  double& w = x[k];
+  const double least = leaf.box.min[k], most = leaf.box.max[k], height = most - least;
+  double bracket[2] = {least, most};
+  bool seen[2] = {false, false};  // the ends of the bracket
+  double last_step = 2.0 * height;
+  w = 0.5 * (least + most);
+  for (int i = 0; i < kMostSteps; ++i) {
+    const auto [g, slope, bend] = field.along_axis(x, k);
+    if (g == 0.0) return true;
+    const double newton = -g / slope;
+    const int ahead = newton > 0.0 ? 1 : 0;
+    if (ahead == 0 ? w <= least : w >= most) {
+      w += newton / (1.0 + std::abs(newton) / height);
+      return false;
+    }
+    bracket[1 - ahead] = w;
+    seen[1 - ahead] = true;
+    const double bent = 0.5 * newton * bend / slope;
+    double step = std::abs(bent) <= kMostBent ? newton / (1.0 + bent) : newton;
+    const bool within = w + step > bracket[0] && w + step < bracket[1];
+    if (within && std::abs(step) <= kLastStep * height) {
+      w += step;
+      return true;
+    }
+    const bool goes_well = within && std::abs(step) <= 0.5 * last_step;
+    last_step = std::abs(step);
+    if (goes_well) {
+      w += step;
+    } else if (!seen[ahead]) {
+      w = bracket[ahead];
+    } else {
+      // After a halving the method may go where it wants in the bracket.
+      last_step = 2.0 * height;
+      const double middle = 0.5 * (bracket[0] + bracket[1]);
+      if (middle == bracket[0] || middle == bracket[1]) return true;
+      w = middle;
+    }
   }
-  double value(double w) {
-    x[axis] = w;
-    return field.value(x);
-  }
-  double slope(double w) {
-    x[axis] = w;
-    Vec3 gradient;
-    field.value_gradient(x, gradient);
-    return gradient[axis];
-  }
-  bool has_root() const { return std::min(g_lo, g_hi) <= 0.0 && std::max(g_lo, g_hi) >= 0.0; }
+  return true;
+}
 
-  // Newton's step from the end that is nearer to the zero, drawn in to less than the leaf's height.
-  double beyond() {
-    const bool low = std::abs(g_lo) < std::abs(g_hi);
-    const double end = low ? lo : hi, height = hi - lo;
-    const double step = -(low ? g_lo : g_hi) / slope(end);
-    return end + step / (1.0 + std::abs(step) / height);
-  }
-};
+// The place over (s, t) in the leaf's rectangle; along the axis anywhere.
+Point over(const Leaf& leaf, double s, double t) {
+  const Vec3 size = leaf.box.max - leaf.box.min;
+  const int i = (leaf.axis + 1) % 3, j = (leaf.axis + 2) % 3;
+  Point x = leaf.box.min;
+  x[i] += s * size[i];
+  x[j] += t * size[j];
+  return x;
+}
 
 }  // namespace
 
 bool graph_exists(const Field& field, const Leaf& leaf, double s, double t) {
-  return Column(field, leaf, s, t).has_root();
+  Point x = over(leaf, s, t);
+  return move_to_zero(field, leaf, x);
 }
 
 Point graph_point(const Field& field, const Leaf& leaf, double s, double t) {
-  Column column(field, leaf, s, t);
-  double root;
-  if (column.g_lo == 0.0) {
-    root = column.lo;
-  } else if (column.g_hi == 0.0) {
-    root = column.hi;
-  } else if ((column.g_lo > 0.0) == (column.g_hi > 0.0)) {
-    root = column.beyond();
-  } else {
-    root = bracketed_root([&](double w) { return column.value(w); },
-                          [&](double w) { return column.slope(w); }, column.lo, column.hi,
-                          column.g_lo);
-  }
-  column.x[leaf.axis] = root;
-  return column.x;
+  Point x = over(leaf, s, t);
+  move_to_zero(field, leaf, x);
+  return x;
 }
 
 }  // namespace caustic::geometry

@@ -21,6 +21,10 @@ struct Leaves {
   bool defined_somewhere = false;
 };
 
+/// Fewer and larger leaves of the same surface: neighbours become one where that is a graph and the
+/// surface in it is all theirs.
+std::vector<Leaf> merged(const Field& field, const Leaves& leaves);
+
 /// Outside of all of these boxes the field has no zero in `bounds`.
 Leaves cut_into_graphs(const Field& field, const Box& bounds);
 
