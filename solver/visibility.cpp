@@ -60,6 +60,16 @@ double Sight::used(const LightPath& from, const LightPath& to) const {
   return most;
 }
 
+namespace {
+
+Sight::Use either(const Sight::Use& a, const Sight::Use& b) {
+  return {std::max(a.by_begin, b.by_begin), std::max(a.by_end, b.by_end)};
+}
+
+double total(const Sight::Use& use) { return use.by_begin + use.by_end; }
+
+}  // namespace
+
 Sight Visibility::look(const Hops& hops, const LightPath& path) const {
   const Point& x = path.x();
   Segment to_light{{x, Vec3::Zero()}, 1.0 - kLightEndShare, false, hops[0].surface};
@@ -76,7 +86,9 @@ Sight Visibility::look(const Hops& hops, const LightPath& path) const {
   const Room lit = room(to_light);
   Sight sight{lit.hidden, Ending::shadow, {}};
   sight.use[0].by_end = lit.use.by_begin;  // that segment was looked along the other way
-  for (std::size_t j = 0; j < hops.size() && !sight.hidden; ++j) {
+  double least = total(lit.use);
+  // Hidden for as long as one segment is: the one that is so the furthest.
+  for (std::size_t j = 0; j < hops.size(); ++j) {
     const bool last = j + 1 == hops.size();
     const Segment on{{path.at[j], path.at[j + 1] - path.at[j]},
                      1.0 - kReceiverEndShare,
@@ -84,21 +96,19 @@ Sight Visibility::look(const Hops& hops, const LightPath& path) const {
                      hops[j].surface,
                      last ? -1 : hops[j + 1].surface};
     const Room seen = room(on);
-    if (seen.hidden) sight = {true, Ending::occlusion, {}};
+    if (seen.hidden && !sight.hidden) {
+      sight = {true, Ending::occlusion, {}};
+      least = geometry::kInfinity;
+    }
+    if (sight.hidden && !(seen.hidden && total(seen.use) < least)) continue;
+    if (sight.hidden) {
+      sight.use = {};
+      least = total(seen.use);
+    }
     sight.use[j + 1] = seen.use;
   }
   return sight;
 }
-
-namespace {
-
-Sight::Use either(const Sight::Use& a, const Sight::Use& b) {
-  return {std::max(a.by_begin, b.by_begin), std::max(a.by_end, b.by_end)};
-}
-
-double total(const Sight::Use& use) { return use.by_begin + use.by_end; }
-
-}  // namespace
 
 Visibility::Room Visibility::room(const Segment& segment) const {
   Sight::Use free, depth{geometry::kInfinity, geometry::kInfinity};

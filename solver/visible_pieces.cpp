@@ -75,20 +75,23 @@ class Cutter {
   }
 
  private:
-  std::optional<Sighted> between(const Sighted& a, const Sighted& b) {
+  // A path from the share `w` of the way from a to b.
+  std::optional<Sighted> between(const Sighted& a, const Sighted& b, double w = 0.5) {
     const Point &xa = a.path.x(), &xb = b.path.x();
-    const auto f = correct(evaluate_, level_, 0.5 * (xa + xb),
+    const auto f = correct(evaluate_, level_, xa + w * (xb - xa),
                            {residual_, geometry::kInfinity, (xb - xa).norm()}, a.hits.get());
     if (!f) return std::nullopt;
     return look(LightPath(evaluate_.map(), *f), f->hits);
   }
 
-  // Bisection on the exact answer, down to rounding of x.
+  // Bisection on the exact answer, down to rounding of x, of what the rooms of both sides leave.
   Change locate(Sighted a, Sighted b) {
     const bool to_hidden = b.hidden();
     const double rounding = evaluate_.map().rounding(a.path.x());
     for (int i = 0; i < 100 && (b.path.x() - a.path.x()).norm() > 2.0 * rounding; ++i) {
-      const auto middle = between(a, b);
+      const double from = kUsableRoom / a.sight.used(a.path, b.path);
+      const double to = 1.0 - kUsableRoom / b.sight.used(b.path, a.path);
+      const auto middle = between(a, b, from < to ? 0.5 * (from + to) : 0.5);
       if (!middle) break;
       (middle->hidden() == a.hidden() ? a : b) = *middle;
     }
