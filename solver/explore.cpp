@@ -16,8 +16,8 @@ namespace caustic::solver {
 
 namespace {
 
-// Cells along a chart's side before any refinement, by the number of charts: one, few on a surface that
-// is no quadric, or others.
+// Cells along a chart's side before any refinement: of the only chart, of one of few that count in
+// parts of their squares, and of others.
 constexpr int kBaseOfOne = 12;
 constexpr int kBaseOfFew = 6;
 constexpr std::size_t kFewCharts = 12;
@@ -474,13 +474,14 @@ void Explorer::keep(const Square& c, const View& view) {
       {c.chart, std::move(polygon), whole, view.samples[4], view.radius, hidden_share(view)});
 }
 
-int base_for(std::size_t charts, bool quadratic) {
-  if (charts == 1) return kBaseOfOne;
-  return charts <= kFewCharts && !quadratic ? kBaseOfFew : kBaseOfMany;
+int base_for(const std::vector<geometry::Chart>& charts) {
+  if (charts.size() == 1) return kBaseOfOne;
+  const bool few = charts.size() <= kFewCharts && !charts.empty() && !charts[0].cell.empty();
+  return few ? kBaseOfFew : kBaseOfMany;
 }
 
 Exploration Explorer::run() {
-  base_ = base_for(result_.charts.size(), map_.shape().at_most_quadratic());
+  base_ = base_for(result_.charts);
   opening_ = find_opening();
   known_.reserve(4096);
   result_.samples.reserve(4096);
