@@ -138,18 +138,18 @@ bool leads_to_track(const std::vector<Track>& tracks, const Seed& seed,
 }
 
 // The seed on its curve and inside the domain or on its boundary.
-std::optional<FieldPoint> settle(const Seed& seed, Evaluator& evaluate, const FamilyField& field,
+std::optional<FieldPoint> settle(const Seed& seed, Evaluator& evaluate, const Domain& domain,
                                  const LevelFunction& level, double residual) {
   const CorrectorOptions options{residual, kSeedPosition * seed.reach, seed.reach};
   auto f = correct(evaluate, level, seed.at, options);
   if (!f) return std::nullopt;
-  const auto worst = field.domain.worst(*f);
+  const auto worst = domain.worst(*f);
   const double slack = 100.0 * evaluate.map().rounding(f->x);
   if (worst.value <= slack) return f;
   // Found on the chord of a curved boundary: onto the boundary itself.
-  f = correct_at_end(evaluate, level, field.domain, worst.boundary, f->x, options, f->hits.get());
-  const double steep = f ? field.domain.gradient(worst.boundary, *f).norm() : 0.0;
-  if (!f || field.domain.worst(*f).value > slack * (1.0 + steep)) return std::nullopt;
+  f = correct_at_end(evaluate, level, domain, worst.boundary, f->x, options, f->hits.get());
+  const double steep = f ? domain.gradient(worst.boundary, *f).norm() : 0.0;
+  if (!f || domain.worst(*f).value > slack * (1.0 + steep)) return std::nullopt;
   return f;
 }
 
@@ -168,12 +168,14 @@ bool speck(const Trace& trace, double chord) {
 
 void run(ContourTask& task, Budget& budget, double chord, double residual) {
   Evaluator evaluate(task.field->map, budget);
+  const Domain domain = task.field->domain.without(task.level.boundary);
   std::vector<Track> tracks;
   for (const Seed& seed : task.seeds) {
     // At a silhouette where a vanishes too all levels meet, and none can be followed.
-    if (!seed.at.lit() || leads_to_track(tracks, seed, task.level)) continue;
+    const bool on_silhouette = !seed.at.lit() && !task.level.is_boundary();
+    if (on_silhouette || leads_to_track(tracks, seed, task.level)) continue;
     if (budget.exhausted()) break;
-    const auto f = settle(seed, evaluate, *task.field, task.level, residual);
+    const auto f = settle(seed, evaluate, domain, task.level, residual);
     if (!f) {
       ++task.lost_seeds;
       continue;
@@ -182,7 +184,7 @@ void run(ContourTask& task, Budget& budget, double chord, double residual) {
     const double fuzz = 4.0 * kSeedPosition * seed.reach + 1e3 * evaluate.map().rounding(f->x);
     if (visited(tracks, *f, fuzz, evaluate, task.level)) continue;
     const TraceOptions options{chord, residual, kFirstStepShare * seed.reach};
-    Trace trace = trace_contour(evaluate, task.field->domain, task.level, *f, options);
+    Trace trace = trace_contour(evaluate, domain, task.level, *f, options);
     if (trace.vertices.size() < 2) continue;
     tracks.emplace_back(trace);
     if (!task.field->visibility) {

@@ -21,8 +21,9 @@ using geometry::Point;
 using geometry::Vec2;
 using geometry::Vec3;
 
-/// Which levels: the given ones, or `count` between min and max. Where min or max is missing it is the
-/// 5th or 95th percentile, by receiver area, of E on a subdivision that depends on the scene alone.
+/// Which levels: the given ones, or `count` between min and max. Where min or max is missing it is
+/// the 5th or 95th percentile, by receiver area, of E on a subdivision that depends on the scene
+/// alone.
 struct LevelRequest {
   enum class Spacing { log, linear, one_two_five };
   std::vector<double> values;  ///< W/m², > 0; if not empty nothing else counts
@@ -31,13 +32,18 @@ struct LevelRequest {
   std::optional<double> min, max;
 };
 
+/// Each sheet of each family by itself, or what a meter reads: their sum.
+enum class Measure : std::uint8_t { sheet, total };
+
 struct ContourRequest {
-  /// Families by surface index, each at most kMaxHops long; empty means those of at most `max_bounces`
-  /// that occur, and of these only what brings at least `min_flux_share` of all flux is traced.
+  /// Families by surface index, each at most kMaxHops long; empty means those of at most
+  /// `max_bounces` that occur, and of these only what brings at least `min_flux_share` of all flux
+  /// is traced.
   std::vector<std::vector<int>> families;
   int max_bounces = 1;
   double min_flux_share = 1e-6;
   LevelRequest levels;
+  Measure measure = Measure::sheet;
   bool isolux = true;
   bool caustic = true;
   double irradiance_tolerance = 1e-9;  ///< |E/level − 1| at every vertex
@@ -53,32 +59,56 @@ struct ContourRequest {
   std::set<std::string> no_skip;
 };
 
-enum class CurveKind : std::uint8_t { isolux = 0, caustic = 1 };
+enum class CurveKind : std::uint8_t { isolux = 0, caustic = 1, jump = 2, receiver_edge = 3 };
 
 enum class Ending : std::uint8_t {
-  silhouette, aperture, shadow, occlusion, total_internal_reflection, receiver_edge, limit
+  silhouette,
+  aperture,
+  shadow,
+  occlusion,
+  total_internal_reflection,
+  receiver_edge,
+  limit,
+  node  ///< of totals: another arc goes on there
+};
+
+/// Across what the total jumps, as numbered in the contract (api.md).
+enum class BoundaryKind : std::uint8_t {
+  none,
+  caustic,
+  shadow,
+  occlusion,
+  aperture,
+  silhouette,
+  total_internal_reflection,
+  receiver
 };
 
 struct CurveVertex {
-  Vec2 uv;             ///< receiver axes, m
-  Point p;             ///< on the receiver, world, m
-  Point x;             ///< first hit on the reflector, world, m
-  double irradiance;   ///< W/m²; −1 on caustics
-  double residual;     ///< |E/level − 1|; caustics: |a|/(|∇q1||∇q2|)
-  Vec3 gradient;       ///< ∇E in world axes, W/m³; 0 on caustics
-  double arc_length;   ///< from the first vertex, along the polyline on the receiver, m
+  Vec2 uv;            ///< receiver axes, m
+  Point p;            ///< on the receiver, world, m
+  Point x;            ///< first hit on the reflector, world, m
+  double irradiance;  ///< W/m²; −1 on caustics
+  double residual;    ///< |E/level − 1|; caustics: |a|/(|∇q1||∇q2|)
+  Vec3 gradient;      ///< ∇E in world axes, W/m³; 0 on caustics
+  double arc_length;  ///< from the first vertex, along the polyline on the receiver, m
+  /// Totals on both sides of a jump, W/m², −1 where unbounded; elsewhere both as `irradiance`.
+  double dark = 0.0, bright = 0.0;
 };
 
 struct Curve {
   CurveKind kind = CurveKind::isolux;
   double level = -1.0;  ///< W/m²; −1 for caustics
   int family_id = 0;
-  int parity = 0;       ///< sign of a on finite levels; 0 on caustics
-  bool closed = false;  ///< closed curves do not repeat their first vertex here
+  int parity = 0;            ///< sign of a on finite levels; 0 on caustics
+  bool closed = false;       ///< closed curves do not repeat their first vertex here
   std::vector<Ending> ends;  ///< two if open, none if closed
   std::vector<CurveVertex> vertices;
   double length = 0.0;  ///< of the polyline on the receiver, the closing segment included, m
   double max_residual = 0.0;
+  /// Of totals: the edges of {E_total ≥ level}, head to tail with the brighter side on the left.
+  BoundaryKind boundary = BoundaryKind::none;  ///< what a jump runs along
+  int ring_id = -1, ring_order = -1;
 };
 
 struct FamilyReport {
@@ -99,7 +129,8 @@ struct ContourResult {
   bool complete = true;  ///< false if a limit cut the work short
   std::vector<FamilyReport> families;
   std::vector<double> levels;  ///< resolved, ascending
-  std::vector<Curve> curves;   ///< by kind, level, family, then smallest (u, v)
+  Measure measure = Measure::sheet;
+  std::vector<Curve> curves;  ///< by kind, level, family, then smallest (u, v)
   bool certified = false;
   std::size_t undecided_cells = 0;
   std::vector<Skipped> skipped;

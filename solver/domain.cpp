@@ -20,6 +20,7 @@ Domain::Domain(const ForwardMap& map) : map_(map), bounds_(map.mirror().bounds) 
 }
 
 double Domain::value(int i, const FieldPoint& f) const {
+  if (i == left_out_) return -geometry::kInfinity;
   if (i < bound_count()) return bounds_[i].value(f.x);
   const auto& receiver = map_.receiver();
   switch (i - bound_count()) {

@@ -12,6 +12,12 @@ namespace caustic::solver {
 class Domain {
  public:
   explicit Domain(const ForwardMap& map);
+  /// The same without boundary i, which is then nowhere in the way: for curves along it.
+  Domain without(int i) const {
+    Domain other = *this;
+    other.left_out_ = i;
+    return other;
+  }
 
   const ForwardMap& map() const { return map_; }
   /// Boundaries are numbered 0 … size() − 1.
@@ -20,7 +26,7 @@ class Domain {
   int first_later() const { return bound_count() + 6; }
   /// Number of the silhouette of the first surface; the receiver's plane and edges follow.
   int silhouette() const { return bound_count(); }
-  /// h at a point that `f` says is finite, a length; ≤ 0 inside.
+  /// h at a point that `f` says is finite, a length; ≤ 0 inside, −∞ for what is left out.
   double value(int i, const FieldPoint& f) const;
   /// h as a function of the place alone, where it is one: aperture bounds; null otherwise.
   const geometry::Bound* bound(int i) const { return i < bound_count() ? &bounds_[i] : nullptr; }
@@ -73,6 +79,7 @@ class Domain {
   const ForwardMap& map_;
   const std::vector<geometry::Bound>& bounds_;
   std::vector<Later> later_;
+  int left_out_ = -1;
 };
 
 }  // namespace caustic::solver

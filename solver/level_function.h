@@ -1,37 +1,54 @@
-// What a curve is the zero of: f = a − kρσ on the mirror (S9). k = parity/E₀; the caustic is k = 0.
+// What a curve is the zero of: f = a − kρσ on the first surface (S9), k = parity/E₀, the caustic being
+// k = 0; or the function h of one of the domain's boundaries (S12).
 #pragma once
 
 #include <cmath>
 
-#include "solver/forward_map.h"
+#include "solver/domain.h"
 
 namespace caustic::solver {
 
 struct LevelFunction {
   double k = 0.0;
+  const Domain* domain = nullptr;  ///< of a boundary; must outlive this
+  int boundary = -1;
 
   static LevelFunction isolux(double level, int parity) { return {parity / level}; }
   static LevelFunction caustic() { return {0.0}; }
+  static LevelFunction boundary_of(const Domain& domain, int i) { return {0.0, &domain, i}; }
 
-  bool is_caustic() const { return k == 0.0; }
-  double value(const FieldPoint& f) const { return f.a - k * f.flux; }
-  Vec3 gradient(const FieldPoint& f) const { return f.grad_a - k * f.grad_flux; }
+  bool is_isolux() const { return k != 0.0; }
+  bool is_boundary() const { return boundary >= 0; }
+  bool is_caustic() const { return !is_isolux() && !is_boundary(); }
 
-  /// |E/E₀ − 1| on a level; |a|/(|∇q₁||∇q₂|) on the caustic.
+  double value(const FieldPoint& f) const {
+    return is_boundary() ? domain->value(boundary, f) : f.a - k * f.flux;
+  }
+  Vec3 gradient(const FieldPoint& f) const {
+    if (!is_boundary()) return f.grad_a - k * f.grad_flux;
+    const Vec3 slope = domain->gradient(boundary, f);
+    return slope - f.n * f.n.dot(slope);
+  }
+
+  /// |E/E₀ − 1| on a level; |a|/(|∇q₁||∇q₂|) on the caustic; |h| in widths of the receiver.
   double residual(const FieldPoint& f) const {
-    if (is_caustic()) return std::abs(f.a) / f.scale_of_a();
-    return std::abs(k * f.flux / f.a - 1.0);
+    if (is_isolux()) return std::abs(k * f.flux / f.a - 1.0);
+    return std::abs(value(f)) / unit(f);
   }
   /// How much a rounding error `dx` of x alone moves the residual (S14).
   double residual_of_rounding(const FieldPoint& f, double dx) const {
-    const double slope = gradient(f).norm();
-    return slope * dx / (is_caustic() ? f.scale_of_a() : std::abs(f.a));
+    return gradient(f).norm() * dx / (is_isolux() ? std::abs(f.a) : unit(f));
   }
   /// Unit tangent of the curve, n × ∇f/|∇f| (S10); zero where ∇f vanishes.
   Vec3 tangent(const FieldPoint& f) const {
     const Vec3 across = f.n.cross(gradient(f));
     const double length = across.norm();
     return length > 0.0 ? Vec3(across / length) : Vec3::Zero();
+  }
+
+ private:
+  double unit(const FieldPoint& f) const {
+    return is_boundary() ? domain->map().receiver().width() : f.scale_of_a();
   }
 };
 

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "geometry/root_finding.h"
+#include "solver/chord.h"
 #include "solver/corrector.h"
 #include "solver/predictor.h"
 
@@ -20,8 +21,8 @@ constexpr double kMaxTurn = 0.5;
 constexpr double kMinTurnCosine = 0.8775825618903728;
 // The corrector may move a point by this share of the step; more means another branch.
 constexpr double kTrustShare = 0.05;
-// The corrector brings points to the curve within this share of the step; near a critical value of E
-// a small residual alone would not.
+// The corrector brings points to the curve within this share of the step; near a critical value of
+// E a small residual alone would not.
 constexpr double kPositionShare = 1e-7;
 // Largest motion on the receiver in one step, in widths of it.
 constexpr double kMaxReceiverStep = 0.5;
@@ -41,8 +42,8 @@ constexpr double kMeetingA = 1e-3;
 // A curve is closed when it comes back to its start within this share of the last piece: above the
 // corrector's error, far below the distance of another branch that a step could confuse it with.
 constexpr double kClosureShare = 1e-4;
-constexpr int kMaxInserted = 64;   // vertices in one step
-constexpr int kMaxPending = 24;    // of them not yet accepted
+constexpr int kMaxInserted = 64;  // vertices in one step
+constexpr int kMaxPending = 24;   // of them not yet accepted
 
 struct Node {
   FieldPoint f;
@@ -59,30 +60,11 @@ struct Stop {
   bool stalled = false;
 };
 
-// Largest distance from its chord of the cubic with these ends and velocities, at three places.
-double chord_error(const Node& a, const Node& b) {
-  const double ds = b.s - a.s;
-  const Vec2 chord = b.f.q - a.f.q, da = ds * a.dq, db = ds * b.dq;
-  const double length2 = chord.squaredNorm(), inverse = length2 > 0.0 ? 1.0 / length2 : 0.0;
-  double worst = 0.0;
-  for (const double w : {0.25, 0.5, 0.75}) {
-    const double v = 1.0 - w;
-    const Vec2 q = (w * w * (3.0 - 2.0 * w)) * chord + (w * v * v) * da - (w * w * v) * db;
-    const double along = std::clamp(q.dot(chord) * inverse, 0.0, 1.0);
-    worst = std::max(worst, (q - along * chord).squaredNorm());
-  }
-  return std::sqrt(worst);
-}
-
 class Tracer final : public DirectionField {
  public:
   Tracer(Evaluator& evaluate, const Domain& domain, const LevelFunction& level,
          const TraceOptions& options)
-      : evaluate_(evaluate),
-        domain_(domain),
-        level_(level),
-        options_(options),
-        predictor_(*this) {}
+      : evaluate_(evaluate), domain_(domain), level_(level), options_(options), predictor_(*this) {}
 
   Stop follow(const FieldPoint& seed, double sign, Trace& out);
 
@@ -137,9 +119,9 @@ class Tracer final : public DirectionField {
   const TraceOptions& options_;
   Predictor predictor_;
   double sign_ = 1.0;
-  const Hit* near_ = nullptr;  // hits where the step begins
-  double ds_ = 0.0;        // next step
-  double step_ = 0.0;      // length of the step that the predictor holds
+  const Hit* near_ = nullptr;          // hits where the step begins
+  double ds_ = 0.0;                    // next step
+  double step_ = 0.0;                  // length of the step that the predictor holds
   std::optional<FieldPoint> arrived_;  // the corrected end of that step
   std::array<double, 2> travelled_{};  // by the place and by its image, so far
   std::vector<double> safe_until_;     // no boundary is met before that much is travelled
@@ -180,16 +162,17 @@ std::optional<Node> Tracer::advance(const Node& from) {
 
 // The curve's point at arc s of the current step, between two of its nodes.
 std::optional<Node> Tracer::between(const Node& a, const Node& b, double s) {
-  const auto f = correct(evaluate_, level_, predictor_.at(s / step_),
-                         {options_.residual, kPositionShare * step_, (b.f.x - a.f.x).norm()},
-                         a.f.hits.get());
+  const auto f =
+      correct(evaluate_, level_, predictor_.at(s / step_),
+              {options_.residual, kPositionShare * step_, (b.f.x - a.f.x).norm()}, a.f.hits.get());
   if (!f) return std::nullopt;
   return node(*f, s);
 }
 
 // Where on (0, 1) the next vertex between a and b is wanted; 1 if none is.
 double Tracer::split(const Node& a, const Node& b) const {
-  const double part = (b.s - a.s) / step_, error = chord_error(a, b) / options_.chord;
+  const double part = (b.s - a.s) / step_, ds = b.s - a.s;
+  const double error = chord_error(a.f.q, b.f.q, ds * a.dq, ds * b.dq) / options_.chord;
   int pieces = 1;
   if (error > kChordShare - kLongShare * part * part) {
     pieces = std::max(2, static_cast<int>(std::ceil(std::sqrt(error / kChordShare))));
@@ -212,8 +195,9 @@ std::optional<Node> Tracer::cusp_between(const Node& a, const Node& b) {
     return at->dq.dot(line);
   };
   const double fast = std::max(a.dq.norm(), b.dq.norm());
-  geometry::illinois_root(speed, [&](double, double v) { return std::abs(v) <= 1e-12 * fast; }, a.s,
-                          b.s, a.dq.dot(line), b.dq.dot(line));
+  geometry::illinois_root(
+      speed, [&](double, double v) { return std::abs(v) <= 1e-12 * fast; }, a.s, b.s,
+      a.dq.dot(line), b.dq.dot(line));
   if (at) at->cusp = at->dq.norm() <= 1e-6 * fast;
   return at && at->cusp ? at : std::nullopt;
 }
@@ -229,13 +213,14 @@ std::optional<Stop> Tracer::stop_at_start(const Node& start) const {
   return std::nullopt;
 }
 
-// Where all levels meet (a and σ vanish together on a rim, or a ray runs within the receiver's plane)
-// E is undetermined and the curve cannot be followed to the end itself. That lies on a boundary.
+// Where all levels meet (a and σ vanish together on a rim, or a ray runs within the receiver's
+// plane) E is undetermined and the curve cannot be followed to the end itself. That lies on a
+// boundary.
 Stop Tracer::stop_at_stall(const Node& last) const {
   const double near = kMeetingShare * evaluate_.map().receiver().width();
   int nearest = -1;
   double least = near;
-  const bool meet = level_.is_caustic() || std::abs(last.f.a) <= kMeetingA * last.f.scale_of_a();
+  const bool meet = !level_.is_isolux() || std::abs(last.f.a) <= kMeetingA * last.f.scale_of_a();
   for (int i = 0; i < domain_.size(); ++i) {
     // A low level runs along the silhouette without ending there.
     if (domain_.ending(i) == Ending::silhouette && !meet) continue;
@@ -264,8 +249,9 @@ bool Tracer::closes(const Node& a, const Node& b) {
     return t0.dot(at->f.x - x0);
   };
   const double rounding = evaluate_.map().rounding(x0);
-  geometry::illinois_root(ahead, [&](double, double h) { return std::abs(h) <= 1e-9 * length; },
-                          a.s, b.s, before, after);
+  geometry::illinois_root(
+      ahead, [&](double, double h) { return std::abs(h) <= 1e-9 * length; }, a.s, b.s, before,
+      after);
   if (after == 0.0) at = b;
   // What is left is across the curve, where the corrector is exact.
   return at && (at->f.x - x0).norm() <= kClosureShare * length + 1e3 * rounding;
@@ -295,7 +281,8 @@ bool Tracer::in_reach(int i, const Node& a, const Node& b, const Way& way) {
 // and fall inside the step shows in the cubic through both ends.
 std::optional<double> Tracer::leaves(int i, const Node& a, const Node& b) {
   const double ha = domain_.value(i, a.f), hb = domain_.value(i, b.f), ds = b.s - a.s;
-  const double da = domain_.slope(i, a.f, a.t, a.dq) * ds, db = domain_.slope(i, b.f, b.t, b.dq) * ds;
+  const double da = domain_.slope(i, a.f, a.t, a.dq) * ds,
+               db = domain_.slope(i, b.f, b.t, b.dq) * ds;
   // Two boundaries may coincide; the one that was located first keeps the end.
   const double fuzz = 16.0 * evaluate_.map().rounding(b.f.x) * (1.0 + std::abs(db) / ds);
   if (hb > fuzz) return b.s;
@@ -304,8 +291,8 @@ std::optional<double> Tracer::leaves(int i, const Node& a, const Node& b) {
   }
   // Steepest place of the cubic's top: the root of its slope, by the secant of the end slopes.
   const double w = da / (da - db), v = 1.0 - w;
-  const double top = ha * v * v * (1.0 + 2.0 * w) + hb * w * w * (3.0 - 2.0 * w) +
-                     da * w * v * v - db * w * w * v;
+  const double top =
+      ha * v * v * (1.0 + 2.0 * w) + hb * w * w * (3.0 - 2.0 * w) + da * w * v * v - db * w * w * v;
   if (top <= -0.1 * std::max(da, -db)) return std::nullopt;
   const auto c = between(a, b, a.s + w * ds);
   if (c && domain_.value(i, c->f) > 0.0) return c->s;
@@ -329,9 +316,9 @@ FieldPoint Tracer::end_between(int i, const Node& a, const Node& b) {
   const double s = geometry::illinois_root(
       h, [&](double, double value) { return std::abs(value) <= near; }, a.s, b.s, ha,
       domain_.value(i, b.f));
-  const auto end = correct_at_end(evaluate_, level_, domain_, i, predictor_.at(s / step_),
-                                  {options_.residual, geometry::kInfinity, length},
-                                  inside.f.hits.get());
+  const auto end =
+      correct_at_end(evaluate_, level_, domain_, i, predictor_.at(s / step_),
+                     {options_.residual, geometry::kInfinity, length}, inside.f.hits.get());
   if (end) return *end;
   // As near as the corrector gets to the place where all levels meet.
   double outside = b.s;
@@ -418,7 +405,7 @@ CurveVertex make_vertex(const ForwardMap& map, const LevelFunction& level, const
   v.arc_length = 0.0;
   v.irradiance = -1.0;
   v.gradient = Vec3::Zero();
-  if (!level.is_caustic()) {
+  if (level.is_isolux()) {
     const Vec2 gradient = f.irradiance_gradient();
     v.irradiance = f.irradiance();
     v.gradient = gradient.x() * map.receiver().u + gradient.y() * map.receiver().v;

@@ -8,6 +8,7 @@
 
 #include "solver/contour_task.h"
 #include "solver/itineraries.h"
+#include "solver/total_contours.h"
 
 namespace caustic::solver {
 
@@ -16,15 +17,15 @@ namespace {
 // Default chord tolerance and margin of Embree's boxes, as shares of the receiver and of the scene.
 constexpr double kDefaultChordShare = 1e-4;
 constexpr double kMarginShare = 1e-2;
-// The corrector aims at this share of the tolerance, and at least at kResidual: positions have to be
-// good even where irradiance may be coarse.
+// The corrector aims at this share of the tolerance, and at least at kResidual: positions have to
+// be good even where irradiance may be coarse.
 constexpr double kResidualShare = 0.1;
 constexpr double kResidual = 1e-9;
 // A level this near to a critical value is moved off it.
 constexpr double kCriticalShare = 1e-9;
 
-void run_all(std::vector<ContourTask>& tasks, const ContourRequest& request, Budget& budget, double chord,
-             double residual) {
+void run_all(std::vector<ContourTask>& tasks, const ContourRequest& request, Budget& budget,
+             double chord, double residual) {
   std::atomic<std::size_t> next{0}, done{0};
   const auto work = [&](bool reports) {
     for (std::size_t i; (i = next++) < tasks.size();) {
@@ -64,14 +65,18 @@ class Run {
     std::vector<ContourTask> tasks = make_tasks();
     run_all(tasks, request_, budget_, chord_, residual_);
     collect(tasks);
+    if (request_.measure == Measure::total) add_total();
+    sort_curves(result_.curves);
     if (budget_.exhausted()) {
       result_.complete = false;
-      warn("limit", "a limit of time or vertices cut the work short; curves are missing or end at "
-                    "\"limit\"");
+      warn("limit",
+           "a limit of time or vertices cut the work short; curves are missing or end at "
+           "\"limit\"");
     }
     result_.evaluations = budget_.evaluations();
     result_.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    result_.measure = request_.measure;
     return std::move(result_);
   }
 
@@ -82,9 +87,11 @@ class Run {
   void drop_faint_families();
   std::string name_of(int family) const;
   std::vector<double> levels();
-  std::vector<LevelFunction> targets_for(const FamilyField& field, std::vector<double>& irradiances);
+  std::vector<LevelFunction> targets_for(const FamilyField& field,
+                                         std::vector<double>& irradiances);
   std::vector<ContourTask> make_tasks();
   void collect(std::vector<ContourTask>& tasks);
+  void add_total();
   void warn(const std::string& code, const std::string& detail) {
     for (const Warning& w : result_.warnings) {
       if (w.code == code && w.detail == detail) return;
@@ -171,9 +178,11 @@ std::string Run::name_of(int family) const {
 void Run::judge(const FamilyField& field) {
   const std::string name = name_of(field.piece.family);
   if (field.degenerate) {
-    warn("degenerate_family", "all light by way of " + name + " that reaches the receiver passes "
-                              "through one point or line of it: its irradiance is unbounded there "
-                              "and zero elsewhere, so it has no curves");
+    warn("degenerate_family",
+         "all light by way of " + name +
+             " that reaches the receiver passes "
+             "through one point or line of it: its irradiance is unbounded there "
+             "and zero elsewhere, so it has no curves");
   } else if (field.uniform && !field.empty()) {
     warn("uniform_irradiance", "the irradiance by way of " + name + " is constant, " +
                                    number(1.0 / std::abs(field.phi_max)) +
@@ -200,14 +209,17 @@ std::vector<double> Run::levels() {
 std::vector<LevelFunction> Run::targets_for(const FamilyField& field,
                                             std::vector<double>& irradiances) {
   std::vector<std::pair<double, double>> ks;
-  for (const double level : result_.levels) {
+  std::vector<double> levels = result_.levels;
+  if (request_.measure == Measure::total) levels = {};
+  for (const double level : levels) {
     bool met = false;
     for (const int parity : {-1, 1}) {
       LevelFunction f = LevelFunction::isolux(level, parity);
       for (const CriticalPoint& c : field.critical) {
         if (std::abs(c.field.inverse_irradiance() / f.k - 1.0) > kCriticalShare) continue;
         f.k *= 1.0 + 0.5 * request_.irradiance_tolerance;
-        warn("critical_level", "level " + number(level) + " is a critical value of the irradiance; " +
+        warn("critical_level", "level " + number(level) +
+                                   " is a critical value of the irradiance; " +
                                    "the curves are those just below it");
         break;
       }
@@ -241,11 +253,12 @@ std::vector<ContourTask> Run::make_tasks() {
       own[seed.target].seeds.push_back(std::move(seed));
     }
     std::copy_if(std::make_move_iterator(own.begin()), std::make_move_iterator(own.end()),
-                 std::back_inserter(tasks), [](const ContourTask& task) { return !task.seeds.empty(); });
+                 std::back_inserter(tasks),
+                 [](const ContourTask& task) { return !task.seeds.empty(); });
   }
   if (empty_levels_ > 0) {
-    skip("empty_levels", std::to_string(empty_levels_) +
-                             " levels lie outside the range of a family's irradiance");
+    skip("empty_levels",
+         std::to_string(empty_levels_) + " levels lie outside the range of a family's irradiance");
   }
   return tasks;
 }
@@ -259,24 +272,41 @@ void Run::collect(std::vector<ContourTask>& tasks) {
     for (Trace& trace : task.traces) {
       if (!task.level.is_caustic()) conditioning = std::max(conditioning, trace.conditioning);
       if (trace.clipped) {
-        warn("clipped", "a curve ends where an unbounded surface is cut off, 500 scene diameters "
-                        "from its middle");
+        warn("clipped",
+             "a curve ends where an unbounded surface is cut off, 500 scene diameters "
+             "from its middle");
       }
-      if (trace.stalled) warn("stalled", "a curve could not be followed further and ends at \"limit\"");
+      if (trace.stalled)
+        warn("stalled", "a curve could not be followed further and ends at \"limit\"");
       result_.curves.push_back(finish(std::move(trace), task, system_.receiver()));
     }
   }
-  sort_curves(result_.curves);
   if (lost > 0 && !budget_.exhausted()) {
     result_.undecided_cells += lost;
-    warn("unresolved", "in " + std::to_string(lost) + " cells curves of " +
-                           std::to_string(levels_with_lost) +
-                           " levels could not be settled: they lie within rounding of the caustic or "
-                           "of a point where all levels meet");
+    warn("unresolved",
+         "in " + std::to_string(lost) + " cells curves of " + std::to_string(levels_with_lost) +
+             " levels could not be settled: they lie within rounding of the caustic or "
+             "of a point where all levels meet");
   }
   if (conditioning > request_.irradiance_tolerance) {
     warn("conditioning", "rounding of the reflector point alone moves the irradiance by up to " +
-                             number(conditioning) + " (relative); that takes the tolerance's place");
+                             number(conditioning) +
+                             " (relative); that takes the tolerance's place");
+  }
+}
+
+void Run::add_total() {
+  std::vector<const FamilyField*> fields;
+  for (const auto& field : fields_) {
+    if (!field->degenerate && !field->empty()) fields.push_back(field.get());
+  }
+  if (fields.empty() || result_.levels.empty()) return;
+  TotalContours total = trace_total(system_, fields, result_.levels, chord_, residual_, budget_);
+  std::move(total.curves.begin(), total.curves.end(), std::back_inserter(result_.curves));
+  if (total.unresolved > 0 && !budget_.exhausted()) {
+    result_.undecided_cells += total.unresolved;
+    warn("unresolved", "of the total irradiance " + std::to_string(total.unresolved) +
+                           " places could not be settled: regions there may not close");
   }
 }
 
@@ -287,18 +317,37 @@ ContourResult trace_contours(const OpticalSystem& system, const ContourRequest& 
 }
 
 const char* to_string(CurveKind kind) {
-  return kind == CurveKind::isolux ? "isolux" : "caustic";
+  switch (kind) {
+    case CurveKind::isolux:
+      return "isolux";
+    case CurveKind::caustic:
+      return "caustic";
+    case CurveKind::jump:
+      return "jump";
+    case CurveKind::receiver_edge:
+      return "receiver_edge";
+  }
+  return "isolux";
 }
 
 const char* to_string(Ending ending) {
   switch (ending) {
-    case Ending::silhouette: return "silhouette";
-    case Ending::aperture: return "aperture";
-    case Ending::shadow: return "shadow";
-    case Ending::occlusion: return "occlusion";
-    case Ending::total_internal_reflection: return "total_internal_reflection";
-    case Ending::receiver_edge: return "receiver_edge";
-    case Ending::limit: return "limit";
+    case Ending::silhouette:
+      return "silhouette";
+    case Ending::aperture:
+      return "aperture";
+    case Ending::shadow:
+      return "shadow";
+    case Ending::occlusion:
+      return "occlusion";
+    case Ending::total_internal_reflection:
+      return "total_internal_reflection";
+    case Ending::receiver_edge:
+      return "receiver_edge";
+    case Ending::limit:
+      return "limit";
+    case Ending::node:
+      return "node";
   }
   return "limit";
 }

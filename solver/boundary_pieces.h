@@ -1,0 +1,47 @@
+// Boundary curves cut where their images cross, fold or meet the caustic, so that along each piece
+// the number of sheets on either side is constant; with the totals on both sides (S42), (S43).
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "solver/boundary_curves.h"
+
+namespace caustic::solver {
+
+/// A place on a boundary curve.
+struct BoundaryPlace {
+  Vec2 q;
+  FieldPoint own;  ///< meaningless on the receiver's edges
+};
+
+/// The place on the curve next to a place near it.
+std::optional<BoundaryPlace> settle_on(SheetCarrier& carrier, const BoundaryCurve& curve,
+                                       const BoundaryPlace& near);
+
+/// A place with all sheets but the one, or the pair, that ends there.
+struct BoundaryVertex {
+  BoundaryPlace at;
+  Branches others;
+  double outside = 0.0;  ///< total without the sheets that end here, W/m²; ∞ where it is unbounded
+  double inside = 0.0;  ///< total with them
+};
+
+/// Fills in both totals.
+void complete_totals(const BoundaryCurve& curve, BoundaryVertex& v);
+
+/// Runs with the inside, where its sheets are, on the left (u right, v up).
+struct BoundaryPiece {
+  int curve;
+  bool closed = false;
+  std::vector<BoundaryVertex> vertices;
+};
+
+struct BoundaryPieces {
+  std::vector<BoundaryPiece> pieces;
+  std::size_t unresolved = 0;  ///< pieces whose totals could not be followed
+};
+
+BoundaryPieces cut_boundaries(SheetCarrier& carrier, const std::vector<BoundaryCurve>& curves);
+
+}  // namespace caustic::solver

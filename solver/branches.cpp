@@ -1,0 +1,121 @@
+#include "solver/branches.h"
+
+#include <cmath>
+
+namespace caustic::solver {
+
+namespace {
+
+constexpr int kMaxCarrySteps = 12;
+// Newton's first step must leave less than this share of the way, or the way is halved: on it the
+// map is far from linear, and another sheet could be met.
+constexpr double kContraction = 0.25;
+constexpr int kMaxHalvings = 16;
+// Arrival within this many roundings of x, by the stretch of the map.
+constexpr double kArrivalRoundings = 4.0;
+
+}  // namespace
+
+Total total_of(const Branches& branches) {
+  Total sum;
+  for (const Branch& b : branches) {
+    sum.E += b.at.irradiance();
+    sum.gradient += b.at.irradiance_gradient();
+  }
+  return sum;
+}
+
+SheetCarrier::SheetCarrier(const OpticalSystem& system, std::vector<const FamilyField*> fields,
+                           Budget& budget)
+    : system_(system), fields_(std::move(fields)) {
+  for (const FamilyField* field : fields_) {
+    evaluators_.push_back(std::make_unique<Evaluator>(field->map, budget));
+    const int family = field->piece.family;
+    bool known = false;
+    for (const Finder& finder : finders_) known |= finder.family == family;
+    if (known) continue;
+    Family surfaces;
+    for (const auto& hop : field->piece.hops) surfaces.push_back(hop.surface);
+    finders_.push_back({family, PathFinder(system, surfaces, system.light())});
+  }
+}
+
+// (S40): x moves by J dq, J dq = M⁻¹ dq in the tangent frame, until q(x) has arrived.
+std::optional<FieldPoint> SheetCarrier::newton(int field, const FieldPoint& from, const Vec2& to) {
+  Evaluator& evaluate = *evaluators_[field];
+  const double way = (to - from.q).norm();
+  FieldPoint at = from;
+  double left = way;
+  for (int i = 0; i < kMaxCarrySteps; ++i) {
+    const double stretch = std::sqrt(at.q_s.squaredNorm() + at.q_t.squaredNorm());
+    const double rounding = evaluate.map().rounding(at.x);
+    if (left <= kArrivalRoundings * (stretch * rounding + geometry::kEpsilon * to.norm()))
+      return at;
+    const double det = at.q_s.x() * at.q_t.y() - at.q_t.x() * at.q_s.y();
+    const Vec2 dq = to - at.q;
+    const double ds = (at.q_t.y() * dq.x() - at.q_t.x() * dq.y()) / det;
+    const double dt = (at.q_s.x() * dq.y() - at.q_s.y() * dq.x()) / det;
+    if (!std::isfinite(ds) || !std::isfinite(dt)) return std::nullopt;
+    at = evaluate.on_surface(at.x + ds * at.e1 + dt * at.e2, at.hits.get());
+    if (!at.arrives() || !(at.a * from.a > 0.0)) return std::nullopt;
+    const double before = left;
+    left = (to - at.q).norm();
+    if (i == 0 && left > kContraction * way) return std::nullopt;
+    // As near as rounding allows.
+    if (i > 2 && left >= 0.5 * before) {
+      return left <= 1e-9 * (way + to.norm()) ? std::optional(at) : std::nullopt;
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<FieldPoint> SheetCarrier::carry(int field, const FieldPoint& from, const Vec2& to) {
+  FieldPoint at = from;
+  double share = 1.0;
+  int halvings = 0;
+  while (true) {
+    const Vec2 rest = to - at.q;
+    const bool last = share == 1.0;
+    if (auto next = newton(field, at, last ? to : Vec2(at.q + share * rest))) {
+      if (last) return next;
+      at = std::move(*next);
+      share = std::min(1.0, 2.0 * share);
+    } else {
+      if (++halvings > kMaxHalvings) return std::nullopt;
+      share *= 0.5;
+    }
+  }
+}
+
+bool SheetCarrier::carry(Branches& branches, const Vec2& to) {
+  Branches moved;
+  moved.reserve(branches.size());
+  for (const Branch& b : branches) {
+    auto at = carry(b.field, b.at, to);
+    if (!at) return false;
+    moved.push_back({b.field, std::move(*at)});
+  }
+  branches.swap(moved);
+  return true;
+}
+
+Branches SheetCarrier::find(const Vec2& q, bool& complete) {
+  Branches found;
+  const Point p = system_.receiver().point(q);
+  for (Finder& finder : finders_) {
+    const auto answer = finder.find.to(p);
+    complete &= answer.undecided == 0;
+    for (const FamilyPath& way : answer.paths) {
+      for (int i = 0; i < field_count(); ++i) {
+        if (fields_[i]->piece.family != finder.family) continue;
+        FieldPoint at = evaluators_[i]->on_surface(way.path.x.front());
+        if (!at.arrives() || !at.lit() || !(at.flux > 0.0)) continue;
+        found.push_back({i, std::move(at)});
+        break;
+      }
+    }
+  }
+  return found;
+}
+
+}  // namespace caustic::solver

@@ -1,0 +1,60 @@
+// The sheets that reach one point of the receiver, carried along as the point moves (S40).
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "solver/family_field.h"
+#include "solver/find_paths.h"
+
+namespace caustic::solver {
+
+/// One path to a point of the receiver.
+struct Branch {
+  int field;      ///< index of its family's field
+  FieldPoint at;  ///< on the first surface
+};
+using Branches = std::vector<Branch>;
+
+/// Sum over branches: E in W/m², ∇E in receiver axes, W/m³.
+struct Total {
+  double E = 0.0;
+  Vec2 gradient = Vec2::Zero();
+};
+Total total_of(const Branches& branches);
+
+/// The fields of a request with what it takes to move on them. Not thread-safe.
+class SheetCarrier {
+ public:
+  /// `fields` are explored, of families of one hop whose light nothing hides; they must outlive it.
+  SheetCarrier(const OpticalSystem& system, std::vector<const FamilyField*> fields, Budget& budget);
+
+  const FamilyField& field(int i) const { return *fields_[i]; }
+  int field_count() const { return static_cast<int>(fields_.size()); }
+  Evaluator& evaluator(int field) { return *evaluators_[field]; }
+  const OpticalSystem& system() const { return system_; }
+
+  /// The path of the same sheet to another point of the receiver; nothing if a fold or the end of
+  /// the family's domain of definition is in between.
+  std::optional<FieldPoint> carry(int field, const FieldPoint& from, const Vec2& to);
+  /// Carries all, or leaves them as they are and returns false.
+  bool carry(Branches& branches, const Vec2& to);
+
+  /// All paths to q, found anew by point location. `complete` becomes false next to a caustic.
+  Branches find(const Vec2& q, bool& complete);
+
+ private:
+  std::optional<FieldPoint> newton(int field, const FieldPoint& from, const Vec2& to);
+
+  const OpticalSystem& system_;
+  std::vector<const FamilyField*> fields_;
+  std::vector<std::unique_ptr<Evaluator>> evaluators_;
+  struct Finder {
+    int family;
+    PathFinder find;
+  };
+  std::vector<Finder> finders_;
+};
+
+}  // namespace caustic::solver

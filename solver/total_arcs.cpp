@@ -1,0 +1,259 @@
+#include "solver/total_arcs.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "geometry/root_finding.h"
+#include "solver/chord.h"
+#include "solver/predictor.h"
+
+namespace caustic::solver {
+
+namespace {
+
+// The limits of a step are those of a sheet's curve (trace_contour.cpp).
+constexpr double kPredictorShare = 1e-5;
+constexpr double kLargestTurn = 0.5;
+constexpr double kLargestStep = 0.1;  // in widths of the receiver
+constexpr double kTrust = 0.05;       // of a step, by which the corrector may move it
+constexpr double kSafety = 0.9;
+constexpr double kShortestStep = 1e-13;  // in widths
+constexpr double kFirstStep = 1e-3;      // in widths
+constexpr int kMaxCorrections = 12;
+constexpr double kUsedChord = 0.8;
+constexpr int kMaxSplits = 40;
+// An arc meets a node that its polynomial passes within this share of the step; it has to pass it
+// within kNodeShare of the receiver's width after correction.
+constexpr double kNearNode = 1e-2;
+constexpr double kNodeShare = 1e-8;
+
+// Nodes lie on their level to this.
+constexpr double kNodeResidual = 1e-9;
+
+// Brighter side on the left.
+Vec2 along_level(const Total& total) {
+  return Vec2(total.gradient.y(), -total.gradient.x()).normalized();
+}
+
+struct ArcNode {
+  ArcVertex at;
+  Vec2 t;          // unit tangent
+  double s = 0.0;  // since the beginning of the step
+};
+
+}  // namespace
+
+class ArcTracer::Impl final : public DirectionField {
+ public:
+  Impl(SheetCarrier& carrier, const ArcOptions& options, Budget& budget)
+      : carrier_(carrier),
+        options_(options),
+        budget_(budget),
+        width_(carrier.system().receiver().width()),
+        predictor_(*this) {}
+
+  LevelArc follow(const Vec2& q, const Branches& branches, std::vector<TotalNode>& ends);
+
+  bool direction(const Point& p, Vec3& t) override {
+    Branches there = from_->branches;
+    if (!carrier_.carry(there, Vec2(p.x(), p.y()))) return false;
+    const Vec2 along = along_level(total_of(there));
+    t = Vec3(along.x(), along.y(), 0.0);
+    return along.allFinite();
+  }
+  bool direction_at_end(const Point& p, Vec3& t) override {
+    arrived_ = correct(Vec2(p.x(), p.y()), kTrust * ds_);
+    if (arrived_) t = Vec3(arrived_->t.x(), arrived_->t.y(), 0.0);
+    return arrived_.has_value();
+  }
+
+ private:
+  std::optional<ArcNode> correct(const Vec2& start, double trust);
+  std::optional<ArcNode> advance(const ArcNode& from);
+  std::optional<ArcNode> between(const ArcNode& a, const ArcNode& b, double s);
+  double split(const ArcNode& a, const ArcNode& b) const;
+  std::optional<double> meets(const ArcNode& a, const ArcNode& b, const Vec2& node, double near);
+  bool accept(const ArcNode& a, const ArcNode& b, std::vector<TotalNode>& ends, LevelArc& arc);
+
+  SheetCarrier& carrier_;
+  ArcOptions options_;
+  Budget& budget_;
+  double width_;
+  Predictor predictor_;
+  const ArcVertex* from_ = nullptr;  // what stages are carried from
+  std::optional<ArcNode> arrived_;
+  double ds_ = 0.0, step_ = 0.0;
+  ArcNode start_;
+};
+
+// Newton's method along ∇E, all sheets carried from where the step began.
+std::optional<ArcNode> ArcTracer::Impl::correct(const Vec2& start, double trust) {
+  Vec2 q = start;
+  Branches there = from_->branches;
+  double previous = geometry::kInfinity;
+  for (int i = 0; i < kMaxCorrections; ++i) {
+    if (!carrier_.carry(there, q)) return std::nullopt;
+    const Total total = total_of(there);
+    const double residual = std::abs(total.E / options_.level - 1.0);
+    if (residual <= options_.residual || (i > 3 && residual >= 0.5 * previous && residual < 1e-9)) {
+      return ArcNode{{q, std::move(there)}, along_level(total), 0.0};
+    }
+    previous = residual;
+    q += ((options_.level - total.E) / total.gradient.squaredNorm()) * total.gradient;
+    if (!((q - start).norm() <= trust)) return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+std::optional<ArcNode> ArcTracer::Impl::advance(const ArcNode& from) {
+  from_ = &from.at;
+  while (ds_ > kShortestStep * width_) {
+    const Point p(from.at.q.x(), from.at.q.y(), 0.0);
+    const auto step = predictor_.attempt(p, Vec3(from.t.x(), from.t.y(), 0.0), ds_);
+    double factor = 0.25;
+    if (step.usable) {
+      const double allowed = std::max(kPredictorShare * ds_, 1e-14 * width_);
+      const double turn = std::acos(std::clamp(from.t.dot(arrived_->t), -1.0, 1.0));
+      const double most =
+          1.0 / std::max({turn / kLargestTurn, ds_ / (kLargestStep * width_), 1e-3});
+      factor = kSafety * std::pow(allowed / std::max(step.error, 1e-300), 0.2);
+      factor = std::clamp(std::min(factor, kSafety * most), 0.2, 3.0);
+      if (step.error <= allowed && most >= 1.0) {
+        step_ = ds_;
+        ds_ *= factor;
+        ArcNode to = *arrived_;
+        to.s = step_;
+        return to;
+      }
+    }
+    ds_ *= std::min(factor, kSafety);
+  }
+  return std::nullopt;
+}
+
+std::optional<ArcNode> ArcTracer::Impl::between(const ArcNode& a, const ArcNode& b, double s) {
+  const Point p = predictor_.at(s / step_);
+  auto at = correct(Vec2(p.x(), p.y()), (b.at.q - a.at.q).norm());
+  if (at) at->s = s;
+  return at;
+}
+
+double ArcTracer::Impl::split(const ArcNode& a, const ArcNode& b) const {
+  const double ds = b.s - a.s;
+  const double error = chord_error(a.at.q, b.at.q, ds * a.t, ds * b.t) / options_.chord;
+  if (error <= kUsedChord) return 1.0;
+  return 1.0 / std::clamp(std::ceil(std::sqrt(error / kUsedChord)), 2.0, 64.0);
+}
+
+// Arc at which the curve passes `node`, if it does between a and b.
+std::optional<double> ArcTracer::Impl::meets(const ArcNode& a, const ArcNode& b, const Vec2& node,
+                                             double near) {
+  const double ds = b.s - a.s;
+  const Vec2 chord = b.at.q - a.at.q;
+  // Along the cubic through both ends, by its chord's share.
+  double w = std::clamp(chord.dot(node - a.at.q) / chord.squaredNorm(), -0.01, 1.01);
+  for (int i = 0; i < 6; ++i) {
+    const double v = 1.0 - w;
+    const Vec2 q = a.at.q + (w * w * (3.0 - 2.0 * w)) * chord + (w * v * v * ds) * a.t -
+                   (w * w * v * ds) * b.t;
+    w = std::clamp(w + chord.dot(node - q) / chord.squaredNorm(), -0.01, 1.01);
+  }
+  const double v = 1.0 - w;
+  const Vec2 q =
+      a.at.q + (w * w * (3.0 - 2.0 * w)) * chord + (w * v * v * ds) * a.t - (w * w * v * ds) * b.t;
+  if (!((q - node).norm() <= near * ds + kNodeShare * width_)) return std::nullopt;
+  if (w <= 0.0)
+    return (node - a.at.q).norm() <= kNodeShare * width_ ? std::optional(a.s) : std::nullopt;
+  return std::min(b.s, a.s + w * ds);
+}
+
+// Takes the piece from a to b, unless the arc ends on it or closes.
+bool ArcTracer::Impl::accept(const ArcNode& a, const ArcNode& b, std::vector<TotalNode>& ends,
+                             LevelArc& arc) {
+  std::optional<std::size_t> end;
+  double first = geometry::kInfinity;
+  for (std::size_t k = 0; k < ends.size(); ++k) {
+    const auto s = meets(a, b, ends[k].q, kNearNode);
+    if (!s || *s >= first) continue;
+    // The exact curve where it passes the node.
+    const auto at = between(a, b, std::clamp(*s, 0.0, step_));
+    if (!at) continue;
+    const Vec2 gap = ends[k].q - at->at.q;
+    const double off = std::abs(at->t.x() * gap.y() - at->t.y() * gap.x());
+    if (off <= kNodeShare * width_ + 0.5 * gap.squaredNorm() / std::max(ds_, 1e-300)) {
+      first = *s;
+      end = k;
+    }
+  }
+  if (end) {
+    arc.vertices.push_back({ends[*end].q, ends[*end].branches});
+    ends.erase(ends.begin() + static_cast<std::ptrdiff_t>(*end));
+    return true;
+  }
+  if (arc.vertices.size() > 4) {
+    const double before = start_.t.dot(a.at.q - start_.at.q),
+                 after = start_.t.dot(b.at.q - start_.at.q);
+    if (before < 0.0 && after >= 0.0 && meets(a, b, start_.at.q, 1e-4)) {
+      arc.closed = true;
+      return true;
+    }
+  }
+  arc.vertices.push_back(b.at);
+  budget_.spend_vertices(1);
+  return false;
+}
+
+LevelArc ArcTracer::Impl::follow(const Vec2& q, const Branches& branches,
+                                 std::vector<TotalNode>& ends) {
+  LevelArc arc;
+  arc.vertices.push_back({q, branches});
+  ds_ = kFirstStep * width_;
+  // A start inside a face lies on the level to a share of a cell only.
+  from_ = &arc.vertices.front();
+  if (std::abs(total_of(branches).E / options_.level - 1.0) > kNodeResidual) {
+    const auto on_level = correct(q, ds_);
+    arc.stalled = !on_level;
+    if (arc.stalled) return arc;
+    arc.vertices.front() = on_level->at;
+  }
+  start_ = {arc.vertices.front(), along_level(total_of(arc.vertices.front().branches)), 0.0};
+  ArcNode a = start_;
+  while (!budget_.exhausted()) {
+    const ArcNode begin = a;  // stages and corrections of the step are carried from here
+    auto b = advance(begin);
+    if (!b) break;
+    a.s = 0.0;
+    std::vector<ArcNode> pending{std::move(*b)};
+    while (!pending.empty()) {
+      const double w = pending.size() < kMaxSplits ? split(a, pending.back()) : 1.0;
+      if (w < 1.0) {
+        auto c = between(a, pending.back(), a.s + w * (pending.back().s - a.s));
+        if (c && c->s > a.s && c->s < pending.back().s) {
+          pending.push_back(std::move(*c));
+          continue;
+        }
+      }
+      if (accept(a, pending.back(), ends, arc)) return arc;
+      a = std::move(pending.back());
+      pending.pop_back();
+    }
+  }
+  arc.stalled = true;
+  return arc;
+}
+
+ArcTracer::ArcTracer(SheetCarrier& carrier, const ArcOptions& options, Budget& budget)
+    : impl_(std::make_unique<Impl>(carrier, options, budget)) {}
+ArcTracer::~ArcTracer() = default;
+
+LevelArc ArcTracer::follow(const Vec2& q, const Branches& branches, std::vector<TotalNode>& ends) {
+  return impl_->follow(q, branches, ends);
+}
+
+bool begins_arc(const TotalNode& node) {
+  return along_level(total_of(node.branches)).dot(node.into) > 0.0;
+}
+
+}  // namespace caustic::solver

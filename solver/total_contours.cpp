@@ -1,0 +1,185 @@
+#include "solver/total_contours.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "solver/plan.h"
+#include "solver/rings.h"
+#include "solver/total_arcs.h"
+#include "solver/total_grid.h"
+
+namespace caustic::solver {
+
+namespace {
+
+// Ends of arcs this near, in widths of the receiver, meet.
+constexpr double kMeetingShare = 1e-7;
+
+// What an arc has in the answer.
+struct Drawn {
+  Curve curve;
+  RingArc arc;
+};
+
+class TotalTracer {
+ public:
+  TotalTracer(const OpticalSystem& system, const std::vector<const FamilyField*>& fields,
+              double chord, double residual, Budget& budget)
+      : system_(system),
+        budget_(budget),
+        carrier_(system, fields, budget),
+        chord_(chord),
+        residual_(residual),
+        curves_(trace_boundaries(carrier_, budget, chord, residual)),
+        pieces_(cut_boundaries(carrier_, curves_)),
+        grid_(carrier_) {
+    result_.unresolved = pieces_.unresolved;
+  }
+
+  TotalContours run(const std::vector<double>& levels) {
+    int rings = 0;
+    for (const double level : levels) trace(level, rings);
+    return std::move(result_);
+  }
+
+ private:
+  void trace(double level, int& rings);
+  void take(LevelArc arc, double level, std::vector<Drawn>& drawn);
+  void take(const JumpArc& jump, double level, std::vector<Drawn>& drawn);
+  void take(Curve curve, std::vector<Drawn>& drawn);
+  CurveVertex vertex(const Vec2& q, const Branches& branches) const;
+
+  const OpticalSystem& system_;
+  Budget& budget_;
+  SheetCarrier carrier_;
+  double chord_, residual_;
+  std::vector<BoundaryCurve> curves_;
+  BoundaryPieces pieces_;
+  TotalGrid grid_;
+  TotalContours result_;
+};
+
+CurveVertex TotalTracer::vertex(const Vec2& q, const Branches& branches) const {
+  const auto& receiver = system_.receiver();
+  CurveVertex v{};
+  v.uv = q;
+  v.p = receiver.point(q);
+  v.gradient = Vec3::Zero();
+  const FieldPoint* brightest = nullptr;
+  for (const Branch& b : branches) {
+    if (!brightest || b.at.irradiance() > brightest->irradiance()) brightest = &b.at;
+  }
+  v.x = brightest ? brightest->x : v.p;
+  return v;
+}
+
+void TotalTracer::take(Curve curve, std::vector<Drawn>& drawn) {
+  curve.family_id = -1;
+  if (!curve.closed) curve.ends = {Ending::node, Ending::node};
+  auto& vertices = curve.vertices;
+  double length = 0.0;
+  std::vector<Vec2> line;
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    if (i > 0) length += (vertices[i].uv - vertices[i - 1].uv).norm();
+    vertices[i].arc_length = length;
+    curve.max_residual = std::max(curve.max_residual, vertices[i].residual);
+    line.push_back(vertices[i].uv);
+  }
+  if (curve.closed) length += (vertices.front().uv - vertices.back().uv).norm();
+  curve.length = length;
+  grid_.add(line, curve.closed);
+  const std::size_t n = line.size();
+  RingArc arc{line.front(), line.back(), (line[1] - line[0]).normalized(),
+              (line[n - 1] - line[n - 2]).normalized(), curve.closed};
+  drawn.push_back({std::move(curve), arc});
+}
+
+void TotalTracer::take(LevelArc arc, double level, std::vector<Drawn>& drawn) {
+  result_.unresolved += arc.stalled;
+  if (arc.vertices.size() < 2) return;
+  Curve curve;
+  curve.kind = CurveKind::isolux;
+  curve.level = level;
+  curve.closed = arc.closed;
+  for (const ArcVertex& at : arc.vertices) {
+    CurveVertex v = vertex(at.q, at.branches);
+    const Total total = total_of(at.branches);
+    v.irradiance = v.dark = v.bright = total.E;
+    v.residual = std::abs(total.E / level - 1.0);
+    v.gradient =
+        total.gradient.x() * system_.receiver().u + total.gradient.y() * system_.receiver().v;
+    curve.vertices.push_back(v);
+  }
+  take(std::move(curve), drawn);
+}
+
+void TotalTracer::take(const JumpArc& jump, double level, std::vector<Drawn>& drawn) {
+  if (jump.vertices.size() < 2) return;
+  Curve curve;
+  curve.kind = jump.kind == BoundaryKind::receiver ? CurveKind::receiver_edge : CurveKind::jump;
+  curve.level = level;
+  curve.boundary = jump.kind;
+  curve.closed = jump.closed;
+  const auto bounded = [](double E) { return std::isfinite(E) ? E : -1.0; };
+  for (const BoundaryVertex& at : jump.vertices) {
+    CurveVertex v = vertex(at.at.q, at.others);
+    if (jump.kind != BoundaryKind::receiver) v.x = at.at.own.x;
+    v.irradiance = level;
+    v.dark = bounded(at.outside);
+    v.bright = bounded(at.inside);
+    curve.vertices.push_back(v);
+  }
+  take(std::move(curve), drawn);
+}
+
+void TotalTracer::trace(double level, int& rings) {
+  LevelOnBoundaries found =
+      level_on_boundaries(carrier_, curves_, pieces_.pieces, level, residual_);
+  std::vector<TotalNode> starts, ends;
+  for (TotalNode& node : found.nodes) (begins_arc(node) ? starts : ends).push_back(std::move(node));
+  std::vector<Drawn> drawn;
+  grid_.begin(level);
+  for (const JumpArc& jump : found.jumps) take(jump, level, drawn);
+  ArcTracer tracer(carrier_, {level, chord_, residual_}, budget_);
+  for (const TotalNode& start : starts) {
+    take(tracer.follow(start.q, start.branches, ends), level, drawn);
+  }
+  const std::size_t undecided = grid_.undecided();
+  while (const auto place = grid_.missing()) {
+    take(tracer.follow(place->q, place->branches, ends), level, drawn);
+  }
+  result_.unresolved += ends.size() + grid_.undecided() - undecided;
+
+  std::vector<RingArc> arcs;
+  for (const Drawn& d : drawn) arcs.push_back(d.arc);
+  const Rings joined = join_rings(arcs, kMeetingShare * system_.receiver().width());
+  result_.unresolved += joined.open;
+  for (std::size_t k = 0; k < drawn.size(); ++k) {
+    drawn[k].curve.ring_id = rings + joined.id[k];
+    drawn[k].curve.ring_order = joined.order[k];
+    result_.curves.push_back(std::move(drawn[k].curve));
+  }
+  rings += joined.id.empty() ? 0 : 1 + *std::max_element(joined.id.begin(), joined.id.end());
+}
+
+}  // namespace
+
+std::optional<std::string> total_unsupported(const OpticalSystem& system,
+                                             const std::vector<std::vector<int>>& families) {
+  for (const auto& family : families) {
+    if (family.size() > 1) return "the total of families of several bounces";
+  }
+  for (const PlannedPiece& piece : make_plan(system, families, {}).pieces) {
+    if (piece.visibility) return "the total where surfaces may hide light";
+  }
+  return std::nullopt;
+}
+
+TotalContours trace_total(const OpticalSystem& system,
+                          const std::vector<const FamilyField*>& fields,
+                          const std::vector<double>& levels, double chord, double residual,
+                          Budget& budget) {
+  return TotalTracer(system, fields, chord, residual, budget).run(levels);
+}
+
+}  // namespace caustic::solver

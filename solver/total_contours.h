@@ -1,0 +1,30 @@
+// The edge of {E_total ≥ level} on the receiver: level arcs and jump arcs that close to rings with
+// the brighter side on the left. NOTATION.md (S40)–(S45).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "solver/contours.h"
+#include "solver/family_field.h"
+
+namespace caustic::solver {
+
+/// Why the total of these families cannot be traced by this version; nothing if it can.
+std::optional<std::string> total_unsupported(const OpticalSystem& system,
+                                             const std::vector<std::vector<int>>& families);
+
+struct TotalContours {
+  std::vector<Curve> curves;  ///< rings numbered, not yet sorted
+  std::size_t unresolved =
+      0;  ///< boundary pieces, arcs and rings that could not be followed or closed
+};
+
+/// `levels` ascending, W/m²; `chord` m; `residual` as for sheets. Fields must be explored.
+TotalContours trace_total(const OpticalSystem& system,
+                          const std::vector<const FamilyField*>& fields,
+                          const std::vector<double>& levels, double chord, double residual,
+                          Budget& budget);
+
+}  // namespace caustic::solver

@@ -1,0 +1,114 @@
+#include "solver/total_grid.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace caustic::solver {
+
+namespace {
+
+constexpr int kCells = 24;  // a side
+constexpr int kHalvings = 30;
+// Off the middle lines of symmetric scenes, on which their curves like to lie.
+constexpr double kOffset = 0.0137;
+
+}  // namespace
+
+TotalGrid::TotalGrid(SheetCarrier& carrier)
+    : carrier_(carrier), half_(carrier.system().receiver().half), count_(kCells) {
+  for (int j = 0; j <= count_; ++j) {
+    for (int i = 0; i <= count_; ++i) {
+      bool complete = true;
+      Branches branches = carrier_.find(place(i, j), complete);
+      const double total = total_of(branches).E;
+      nodes_.push_back({std::move(branches), total});
+    }
+  }
+}
+
+Vec2 TotalGrid::place(int i, int j) const {
+  const auto share = [&](int k) {
+    return (2.0 * (k + kOffset) - count_) / count_ * (1.0 - 2.0 * kOffset / count_);
+  };
+  return {half_.x() * share(i), half_.y() * share(j)};
+}
+
+void TotalGrid::begin(double level) {
+  level_ = level;
+  right_.assign(nodes_.size(), 0);
+  above_ = given_up_right_ = given_up_above_ = right_;
+}
+
+void TotalGrid::add(const std::vector<Vec2>& polyline, bool closed) {
+  const Vec2 origin = place(0, 0), step = place(1, 1) - origin;
+  const std::size_t n = polyline.size();
+  for (std::size_t k = 0; k < (closed ? n : n - 1); ++k) {
+    const Vec2 a = (polyline[k] - origin).cwiseQuotient(step);
+    const Vec2 b = (polyline[(k + 1) % n] - origin).cwiseQuotient(step);
+    for (const int axis : {0, 1}) {
+      // Grid lines across `axis` between a and b: a line counts for the end on its upper side.
+      const double lo = std::min(a[axis], b[axis]), hi = std::max(a[axis], b[axis]);
+      const int first = std::max(0, static_cast<int>(std::floor(lo)) + 1);
+      const int last = std::min(count_, static_cast<int>(std::floor(hi)));
+      for (int line = first; line <= last; ++line) {
+        const double w = (line - a[axis]) / (b[axis] - a[axis]);
+        const double along = a[1 - axis] + w * (b[1 - axis] - a[1 - axis]);
+        const int cell = static_cast<int>(std::floor(along));
+        if (cell < 0 || cell >= count_) continue;
+        if (axis == 0)
+          above_[index(line, cell)] ^= 1;
+        else
+          right_[index(cell, line)] ^= 1;
+      }
+    }
+  }
+}
+
+std::optional<TotalGrid::Place> TotalGrid::missing() {
+  for (int j = 0; j <= count_; ++j) {
+    for (int i = 0; i <= count_; ++i) {
+      const Node& a = nodes_[index(i, j)];
+      const auto look = [&](int di, int dj, const std::vector<char>& parity,
+                            std::vector<char>& given_up) -> std::optional<Place> {
+        if (i + di > count_ || j + dj > count_ || given_up[index(i, j)]) return std::nullopt;
+        const Node& b = nodes_[index(i + di, j + dj)];
+        const bool differ = (a.total >= level_) != (b.total >= level_);
+        if (differ == (parity[index(i, j)] != 0)) return std::nullopt;
+        given_up[index(i, j)] = 1;
+        auto at = differ ? level_between(a, place(i, j), b, place(i + di, j + dj)) : std::nullopt;
+        if (!at) ++undecided_;
+        return at;
+      };
+      if (auto at = look(1, 0, right_, given_up_right_)) return at;
+      if (auto at = look(0, 1, above_, given_up_above_)) return at;
+    }
+  }
+  return std::nullopt;
+}
+
+// By halving, as long as the sheets of one end can be carried.
+std::optional<TotalGrid::Place> TotalGrid::level_between(const Node& a, const Vec2& qa,
+                                                         const Node& b, const Vec2& qb) {
+  for (const bool from_a : {true, false}) {
+    const Node& start = from_a ? a : b;
+    const Vec2 begin = from_a ? qa : qb, end = from_a ? qb : qa;
+    Branches there = start.branches;
+    if (there.empty() || there.size() != (from_a ? b : a).branches.size()) continue;
+    if (!carrier_.carry(there, end)) continue;
+    if ((total_of(there).E >= level_) == (start.total >= level_)) continue;
+    double lo = 0.0, hi = 1.0;
+    Branches at = start.branches;
+    for (int k = 0; k < kHalvings; ++k) {
+      const double middle = 0.5 * (lo + hi);
+      Branches next = at;
+      if (!carrier_.carry(next, (1.0 - middle) * begin + middle * end)) break;
+      ((total_of(next).E >= level_) == (start.total >= level_) ? lo : hi) = middle;
+      at.swap(next);
+    }
+    const Vec2 q = (1.0 - lo) * begin + lo * end;
+    if (carrier_.carry(at, q)) return Place{q, std::move(at)};
+  }
+  return std::nullopt;
+}
+
+}  // namespace caustic::solver

@@ -1,0 +1,52 @@
+// A grid of totals on the receiver that finds what tracing from the boundaries cannot: closed arcs
+// inside a face. Where the totals at two neighbours say that a level lies between, an odd number of
+// arcs must pass between them (S45).
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "solver/branches.h"
+
+namespace caustic::solver {
+
+class TotalGrid {
+ public:
+  explicit TotalGrid(SheetCarrier& carrier);
+
+  /// Begins a new level: nothing has been traced.
+  void begin(double level);
+  /// An arc or a jump of this level.
+  void add(const std::vector<Vec2>& polyline, bool closed);
+
+  struct Place {
+    Vec2 q;
+    Branches branches;
+  };
+  /// A place on an arc that has not been added yet, to a share of a cell; nothing if there is none
+  /// left that can be found. Edges that led to nothing are counted as undecided.
+  std::optional<Place> missing();
+  std::size_t undecided() const { return undecided_; }
+
+ private:
+  struct Node {
+    Branches branches;
+    double total;
+  };
+  std::size_t index(int i, int j) const { return static_cast<std::size_t>(j * (count_ + 1) + i); }
+  Vec2 place(int i, int j) const;
+  std::optional<Place> level_between(const Node& a, const Vec2& qa, const Node& b, const Vec2& qb);
+
+  SheetCarrier& carrier_;
+  Vec2 half_;
+  int count_;
+  std::vector<Node> nodes_;
+  double level_ = 0.0;
+  // Parity of crossings of the edges to the right of a node, and of those above it.
+  std::vector<char> right_, above_;
+  std::vector<char> given_up_right_, given_up_above_;
+  std::size_t undecided_ = 0;
+};
+
+}  // namespace caustic::solver

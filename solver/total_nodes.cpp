@@ -1,0 +1,150 @@
+#include "solver/total_nodes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "geometry/root_finding.h"
+
+namespace caustic::solver {
+
+namespace {
+
+class NodeFinder {
+ public:
+  NodeFinder(SheetCarrier& carrier, const BoundaryCurve& curve, const BoundaryPiece& piece,
+             double level, double residual, LevelOnBoundaries& out)
+      : carrier_(carrier),
+        curve_(curve),
+        piece_(piece),
+        level_(level),
+        residual_(residual),
+        out_(out) {}
+
+  void run() {
+    const auto& v = piece_.vertices;
+    for (std::size_t i = 0; i < v.size(); ++i) {
+      if (i == 0) {
+        state_ = {v[0].outside >= level_, v[0].inside >= level_};
+        if (jumps()) begin_jump(v[0]);
+        continue;
+      }
+      for (const auto& [w, side, at] : crossings(i - 1)) {
+        add_node(at, side);
+        const bool jumped = jumps();
+        state_[side] = !state_[side];
+        if (jumped) end_jump(at);
+        if (jumps()) begin_jump(at);
+      }
+      if (jumps()) out_.jumps.back().vertices.push_back(v[i]);
+    }
+    if (piece_.closed && nodes_ == 0 && jumps()) {
+      out_.jumps.back().closed = true;
+      out_.jumps.back().vertices.pop_back();
+    }
+  }
+
+ private:
+  struct Crossing {
+    double w;
+    int side;  // 0 outside, 1 inside
+    BoundaryVertex at;
+  };
+  double total(const BoundaryVertex& v, int side) const { return side == 0 ? v.outside : v.inside; }
+  bool jumps() const { return !state_[0] && state_[1]; }
+  void begin_jump(const BoundaryVertex& v) { out_.jumps.push_back({curve_.kind, false, {v}}); }
+  void end_jump(const BoundaryVertex& v) { out_.jumps.back().vertices.push_back(v); }
+
+  std::vector<Crossing> crossings(std::size_t i) const {
+    std::vector<Crossing> found;
+    const BoundaryVertex &a = piece_.vertices[i], &b = piece_.vertices[i + 1];
+    for (const int side : {0, 1}) {
+      if ((total(a, side) >= level_) == (total(b, side) >= level_)) continue;
+      if (auto c = root(a, b, side)) found.push_back(std::move(*c));
+    }
+    if (found.size() == 2 && found[1].w < found[0].w) std::swap(found[0], found[1]);
+    return found;
+  }
+
+  // The vertex at share w of the way from a to b.
+  std::optional<BoundaryVertex> between(const BoundaryVertex& a, const BoundaryVertex& b,
+                                        double w) const {
+    const bool from_a = std::isfinite(a.outside);
+    BoundaryVertex v = from_a ? a : b;
+    BoundaryPlace near = v.at;
+    near.q = (1.0 - w) * a.at.q + w * b.at.q;
+    near.own.x = (1.0 - w) * a.at.own.x + w * b.at.own.x;
+    const auto at = settle_on(carrier_, curve_, near);
+    if (!at || !carrier_.carry(v.others, at->q)) return std::nullopt;
+    v.at = *at;
+    complete_totals(curve_, v);
+    return v;
+  }
+
+  // 1/E is bounded, and zero where the total is not.
+  std::optional<Crossing> root(const BoundaryVertex& a, const BoundaryVertex& b, int side) const {
+    std::optional<BoundaryVertex> last;
+    double where = 0.0;
+    const auto excess = [&](double E) { return level_ / E - 1.0; };
+    const auto value = [&](double w) {
+      auto v = between(a, b, w);
+      if (!v) return -1.0;
+      last = std::move(v);
+      where = w;
+      return excess(total(*last, side));
+    };
+    // Towards an end where nothing could be followed the level may lie beyond the last good place.
+    geometry::illinois_root(
+        value, [&](double, double f) { return std::abs(f) <= residual_; }, 0.0, 1.0,
+        excess(total(a, side)), excess(total(b, side)));
+    if (!last || std::abs(excess(total(*last, side))) > 1e3 * residual_) return std::nullopt;
+    return Crossing{where, side, std::move(*last)};
+  }
+
+  void add_node(const BoundaryVertex& at, int side) {
+    ++nodes_;
+    TotalNode node{at.at.q, at.others, left_normal(at)};
+    if (side == 0) {
+      node.into = -node.into;
+    } else if (!curve_.on_receiver_edge()) {
+      node.branches.push_back({curve_.field, at.at.own});
+    }
+    out_.nodes.push_back(std::move(node));
+  }
+
+  // The piece runs with its inside on the left.
+  Vec2 left_normal(const BoundaryVertex& at) const {
+    std::size_t nearest = 0;
+    double least = geometry::kInfinity;
+    for (std::size_t i = 0; i + 1 < piece_.vertices.size(); ++i) {
+      const Vec2 middle = 0.5 * (piece_.vertices[i].at.q + piece_.vertices[i + 1].at.q);
+      const double d = (middle - at.at.q).norm();
+      if (d < least) least = d, nearest = i;
+    }
+    const Vec2 along = piece_.vertices[nearest + 1].at.q - piece_.vertices[nearest].at.q;
+    return Vec2(-along.y(), along.x()).normalized();
+  }
+
+  SheetCarrier& carrier_;
+  const BoundaryCurve& curve_;
+  const BoundaryPiece& piece_;
+  double level_, residual_;
+  LevelOnBoundaries& out_;
+  std::array<bool, 2> state_{};
+  std::size_t nodes_ = 0;
+};
+
+}  // namespace
+
+LevelOnBoundaries level_on_boundaries(SheetCarrier& carrier,
+                                      const std::vector<BoundaryCurve>& curves,
+                                      const std::vector<BoundaryPiece>& pieces, double level,
+                                      double residual) {
+  LevelOnBoundaries out;
+  for (const BoundaryPiece& piece : pieces) {
+    NodeFinder(carrier, curves[piece.curve], piece, level, residual, out).run();
+  }
+  return out;
+}
+
+}  // namespace caustic::solver

@@ -1,0 +1,36 @@
+// Where the total passes a level on one side of a boundary piece, and where the level lies between
+// the totals on both sides (S43).
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "solver/boundary_pieces.h"
+
+namespace caustic::solver {
+
+/// A level arc begins or ends here, on one side of a boundary.
+struct TotalNode {
+  Vec2 q;
+  Branches branches;  ///< of that side
+  Vec2 into;          ///< direction on the receiver into that side
+};
+
+/// A part of a boundary piece along which the level lies between the totals, inside on the left.
+struct JumpArc {
+  BoundaryKind kind;
+  bool closed = false;
+  std::vector<BoundaryVertex> vertices;
+};
+
+struct LevelOnBoundaries {
+  std::vector<TotalNode> nodes;
+  std::vector<JumpArc> jumps;
+};
+
+LevelOnBoundaries level_on_boundaries(SheetCarrier& carrier,
+                                      const std::vector<BoundaryCurve>& curves,
+                                      const std::vector<BoundaryPiece>& pieces, double level,
+                                      double residual);
+
+}  // namespace caustic::solver
