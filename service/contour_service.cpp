@@ -24,6 +24,7 @@ std::string ContourService::compute(ContourCall& call) const {
   call.request.cancelled = stopping_;
   solver::ContourResult result = engine_(call.system, call.request);
   if (stopping_ && *stopping_) throw ProblemError(make_problem(503, "the service is stopping"));
+  throw_if_unsupported(result);
   const std::string id = result_id(call, result);
   ResultRecord record;
   record.curves = to_polylines(call, result);

@@ -81,7 +81,7 @@ std::vector<BoundaryCurve> trace_boundaries(SheetCarrier& carrier, Budget& budge
   for (int i = 0; i < carrier.field_count(); ++i) {
     const FamilyField& field = carrier.field(i);
     const auto trace = [&](LevelFunction level, BoundaryKind kind, std::vector<Seed> seeds) {
-      ContourTask task{&field, level, -1.0, std::move(seeds), {}, 0};
+      ContourTask task{&field, level, -1.0, std::move(seeds), false, {}, 0};
       run(task, budget, chord, residual);
       for (const Trace& t : task.traces) {
         BoundaryCurve curve = curve_of(carrier, i, kind, level.boundary, t);

@@ -288,7 +288,7 @@ bool BoundaryCutter::inside_left(std::size_t c, const BoundaryPlace& a, const Bo
 // Vertices after `from` up to `to`, more where the total varies strongly.
 bool BoundaryCutter::follow(std::size_t c, const BoundaryVertex& from, const BoundaryPlace& to,
                             int depth, std::vector<BoundaryVertex>& out) {
-  BoundaryVertex next{to, from.others, 0.0, 0.0};
+  BoundaryVertex next{to, from.others};
   bool good = carrier_.carry(next.others, to.q);
   if (good) {
     complete_totals(curves_[c], next);
@@ -333,7 +333,7 @@ void BoundaryCutter::finish(std::size_t c, bool closed, std::vector<BoundaryPlac
   const std::size_t start = places.size() / 2;
 
   bool complete_search = true;
-  BoundaryVertex first{places[start], carrier_.find(places[start].q, complete_search), 0.0, 0.0};
+  BoundaryVertex first{places[start], carrier_.find(places[start].q, complete_search)};
   const double reach = 1e-6 * carrier_.system().diameter();
   std::erase_if(first.others, [&](const Branch& b) {
     if (b.field != curves_[c].field) return false;
@@ -358,8 +358,9 @@ void BoundaryCutter::finish(std::size_t c, bool closed, std::vector<BoundaryPlac
     all_front = follow(c, *from, places[i], 0, front);
     if (!front.empty()) from = &front.back();
   }
-  const auto unbounded_at = [](const BoundaryPlace& place) {
-    return BoundaryVertex{place, {}, geometry::kInfinity, geometry::kInfinity};
+  const auto unbounded_at = [&](const BoundaryPlace& place) {
+    const double outside = curves_[c].on_receiver_edge() ? 0.0 : geometry::kInfinity;
+    return BoundaryVertex{place, {}, outside, geometry::kInfinity, false};
   };
   BoundaryPiece piece{static_cast<int>(c), closed, {}};
   if (!all) piece.vertices.push_back(unbounded_at(places.front()));

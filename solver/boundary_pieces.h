@@ -24,7 +24,8 @@ struct BoundaryVertex {
   BoundaryPlace at;
   Branches others;
   double outside = 0.0;  ///< total without the sheets that end here, W/m²; ∞ where it is unbounded
-  double inside = 0.0;  ///< total with them
+  double inside = 0.0;   ///< total with them
+  bool followed = true;  ///< false next to a caustic, where `others` is empty and totals unbounded
 };
 
 /// Fills in both totals.

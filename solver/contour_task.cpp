@@ -187,7 +187,7 @@ void run(ContourTask& task, Budget& budget, double chord, double residual) {
     Trace trace = trace_contour(evaluate, domain, task.level, *f, options);
     if (trace.vertices.size() < 2) continue;
     tracks.emplace_back(trace);
-    if (!task.field->visibility) {
+    if (!task.field->visibility || !task.seen_only) {
       if (!speck(trace, chord)) task.traces.push_back(std::move(trace));
       continue;
     }

@@ -137,6 +137,7 @@ struct ContourResult {
   std::uint64_t evaluations = 0;
   double seconds = 0.0;
   std::vector<Warning> warnings;
+  std::optional<std::string> unsupported;  ///< what of the request this version lacks; no curves then
 };
 
 /// Every numerical outcome is a value: degenerate scenes answer with warnings, limits with

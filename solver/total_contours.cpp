@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "solver/plan.h"
 #include "solver/rings.h"
 #include "solver/total_arcs.h"
 #include "solver/total_grid.h"
@@ -14,6 +13,8 @@ namespace {
 
 // Ends of arcs this near, in widths of the receiver, meet.
 constexpr double kMeetingShare = 1e-7;
+// Nearer than this share of the receiver's width to its end a family's domain is a rim.
+constexpr double kRimShare = 1e-6;
 
 // What an arc has in the answer.
 struct Drawn {
@@ -34,11 +35,16 @@ class TotalTracer {
         pieces_(cut_boundaries(carrier_, curves_)),
         grid_(carrier_) {
     result_.unresolved = pieces_.unresolved;
+    for (const FamilyField* field : fields) {
+      lookouts_.emplace_back();
+      if (field->visibility) lookouts_.back().emplace(*field->visibility, field->piece.hops);
+    }
   }
 
   TotalContours run(const std::vector<double>& levels) {
     int rings = 0;
     for (const double level : levels) trace(level, rings);
+    result_.unresolved += hidden_;
     return std::move(result_);
   }
 
@@ -47,7 +53,7 @@ class TotalTracer {
   void take(LevelArc arc, double level, std::vector<Drawn>& drawn);
   void take(const JumpArc& jump, double level, std::vector<Drawn>& drawn);
   void take(Curve curve, std::vector<Drawn>& drawn);
-  CurveVertex vertex(const Vec2& q, const Branches& branches) const;
+  CurveVertex vertex(const Vec2& q, const Branches& branches);
 
   const OpticalSystem& system_;
   Budget& budget_;
@@ -56,10 +62,12 @@ class TotalTracer {
   std::vector<BoundaryCurve> curves_;
   BoundaryPieces pieces_;
   TotalGrid grid_;
+  std::vector<std::optional<Lookout>> lookouts_;  // of fields of which something might be hidden
+  bool hidden_ = false;
   TotalContours result_;
 };
 
-CurveVertex TotalTracer::vertex(const Vec2& q, const Branches& branches) const {
+CurveVertex TotalTracer::vertex(const Vec2& q, const Branches& branches) {
   const auto& receiver = system_.receiver();
   CurveVertex v{};
   v.uv = q;
@@ -67,6 +75,8 @@ CurveVertex TotalTracer::vertex(const Vec2& q, const Branches& branches) const {
   v.gradient = Vec3::Zero();
   const FieldPoint* brightest = nullptr;
   for (const Branch& b : branches) {
+    auto& lookout = lookouts_[b.field];
+    hidden_ |= lookout && lookout->hidden(LightPath(carrier_.field(b.field).map, b.at));
     if (!brightest || b.at.irradiance() > brightest->irradiance()) brightest = &b.at;
   }
   v.x = brightest ? brightest->x : v.p;
@@ -164,13 +174,36 @@ void TotalTracer::trace(double level, int& rings) {
 
 }  // namespace
 
-std::optional<std::string> total_unsupported(const OpticalSystem& system,
-                                             const std::vector<std::vector<int>>& families) {
-  for (const auto& family : families) {
-    if (family.size() > 1) return "the total of families of several bounces";
+namespace {
+
+// Samples outside the domain may be hidden, and those on its rim touch what they would meet beyond.
+bool hides_light(const FamilyField& field) {
+  const double rim = kRimShare * field.map.receiver().width();
+  for (const Cell& cell : field.exploration.cells) {
+    if (cell.hidden == 0.0) continue;
+    const auto hidden = [&](int sample) {
+      const FieldPoint& f = field.exploration.samples[sample];
+      return f.arrives() && field.domain.worst(f).value < -rim &&
+             field.visibility->hidden(field.piece.hops, LightPath(field.map, f));
+    };
+    if (hidden(cell.center)) return true;
+    for (const Corner& corner : cell.polygon) {
+      if (hidden(corner.sample)) return true;
+    }
   }
-  for (const PlannedPiece& piece : make_plan(system, families, {}).pieces) {
-    if (piece.visibility) return "the total where surfaces may hide light";
+  return false;
+}
+
+}  // namespace
+
+std::optional<std::string> total_unsupported(const std::vector<const FamilyField*>& fields) {
+  for (const FamilyField* field : fields) {
+    if (field->map.hop_count() > 1) return "the total of families of several bounces";
+    for (int b = 0; b < field->domain.size(); ++b) {
+      if (field->domain.ending(b) == Ending::total_internal_reflection)
+        return "the total next to total internal reflection";
+    }
+    if (hides_light(*field)) return "the total where surfaces hide light";
   }
   return std::nullopt;
 }

@@ -11,9 +11,8 @@
 
 namespace caustic::solver {
 
-/// Why the total of these families cannot be traced by this version; nothing if it can.
-std::optional<std::string> total_unsupported(const OpticalSystem& system,
-                                             const std::vector<std::vector<int>>& families);
+/// What of the total of these explored fields this version cannot trace; nothing if it can.
+std::optional<std::string> total_unsupported(const std::vector<const FamilyField*>& fields);
 
 struct TotalContours {
   std::vector<Curve> curves;  ///< rings numbered, not yet sorted

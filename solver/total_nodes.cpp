@@ -69,7 +69,7 @@ class NodeFinder {
   // The vertex at share w of the way from a to b.
   std::optional<BoundaryVertex> between(const BoundaryVertex& a, const BoundaryVertex& b,
                                         double w) const {
-    const bool from_a = std::isfinite(a.outside);
+    const bool from_a = a.followed;
     BoundaryVertex v = from_a ? a : b;
     BoundaryPlace near = v.at;
     near.q = (1.0 - w) * a.at.q + w * b.at.q;

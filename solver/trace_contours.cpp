@@ -61,6 +61,10 @@ class Run {
     const auto begin = std::chrono::steady_clock::now();
     list_families();
     explore();
+    if (request_.measure == Measure::total) {
+      result_.unsupported = total_unsupported(fields_of_total());
+      if (result_.unsupported) return std::move(result_);
+    }
     result_.levels = request_.isolux ? levels() : std::vector<double>{};
     std::vector<ContourTask> tasks = make_tasks();
     run_all(tasks, request_, budget_, chord_, residual_);
@@ -91,6 +95,7 @@ class Run {
                                          std::vector<double>& irradiances);
   std::vector<ContourTask> make_tasks();
   void collect(std::vector<ContourTask>& tasks);
+  std::vector<const FamilyField*> fields_of_total() const;
   void add_total();
   void warn(const std::string& code, const std::string& detail) {
     for (const Warning& w : result_.warnings) {
@@ -246,7 +251,7 @@ std::vector<ContourTask> Run::make_tasks() {
     const auto targets = targets_for(*field, irradiances);
     std::vector<ContourTask> own;
     for (std::size_t i = 0; i < targets.size(); ++i) {
-      own.push_back({field.get(), targets[i], irradiances[i], {}, {}, 0});
+      own.push_back({field.get(), targets[i], irradiances[i], {}, true, {}, 0});
     }
     Evaluator evaluate(field->map, budget_);
     for (Seed& seed : find_seeds(evaluate, field->exploration, field->critical, targets)) {
@@ -295,11 +300,16 @@ void Run::collect(std::vector<ContourTask>& tasks) {
   }
 }
 
-void Run::add_total() {
+std::vector<const FamilyField*> Run::fields_of_total() const {
   std::vector<const FamilyField*> fields;
   for (const auto& field : fields_) {
     if (!field->degenerate && !field->empty()) fields.push_back(field.get());
   }
+  return fields;
+}
+
+void Run::add_total() {
+  const auto fields = fields_of_total();
   if (fields.empty() || result_.levels.empty()) return;
   TotalContours total = trace_total(system_, fields, result_.levels, chord_, residual_, budget_);
   std::move(total.curves.begin(), total.curves.end(), std::back_inserter(result_.curves));

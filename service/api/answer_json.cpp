@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "service/api/identity.h"
+#include "service/api/json_reader.h"
 #include "service/api/json_text.h"
 #include "service/formats/format.h"
 
@@ -20,7 +21,8 @@ bool is_finite(const Curve& curve) {
                 std::isfinite(curve.max_residual);
   for (const CurveVertex& v : curve.vertices)
     finite = finite && v.uv.allFinite() && v.p.allFinite() && v.x.allFinite() &&
-             v.gradient.allFinite() && std::isfinite(v.irradiance + v.residual + v.arc_length);
+             v.gradient.allFinite() &&
+             std::isfinite(v.irradiance + v.residual + v.arc_length + v.dark + v.bright);
   return finite;
 }
 
@@ -44,6 +46,8 @@ PolylineVertex to_vertex(const CurveVertex& v, double metres) {
   out.irradiance = v.irradiance;
   out.residual = v.residual;
   out.arc_length = v.arc_length * scale;
+  out.dark = v.dark;
+  out.bright = v.bright;
   return out;
 }
 
@@ -66,21 +70,27 @@ ordered_json families_json(const ContourCall& call, const ContourResult& result)
   return out;
 }
 
-ordered_json curve_json(const Curve& curve, std::size_t id, double metres) {
+ordered_json curve_json(const Curve& curve, std::size_t id, double metres, bool total) {
   const bool caustic = curve.kind == solver::CurveKind::caustic;
   auto ends = ordered_json::array();
   for (solver::Ending end : curve.ends) ends.push_back(solver::to_string(end));
-  return {{"curve_id", id},
-          {"kind", solver::to_string(curve.kind)},
-          {"level", caustic ? ordered_json() : ordered_json(curve.level)},
-          {"measure", "sheet"},
-          {"family_id", curve.family_id},
-          {"parity", curve.parity},
-          {"closed", curve.closed},
-          {"ends", ends},
-          {"vertices", curve.vertices.size()},
-          {"length", curve.length / metres},
-          {"max_residual", curve.max_residual}};
+  ordered_json out{{"curve_id", id},
+                   {"kind", solver::to_string(curve.kind)},
+                   {"level", caustic ? ordered_json() : ordered_json(curve.level)},
+                   {"measure", total ? "total" : "sheet"},
+                   {"family_id", curve.family_id},
+                   {"parity", curve.parity},
+                   {"closed", curve.closed},
+                   {"ends", ends},
+                   {"vertices", curve.vertices.size()},
+                   {"length", curve.length / metres},
+                   {"max_residual", curve.max_residual}};
+  if (total) {
+    out["boundary"] = static_cast<int>(curve.boundary);
+    out["ring_id"] = curve.ring_id;
+    out["ring_order"] = curve.ring_order;
+  }
+  return out;
 }
 
 ordered_json files_json(const std::string& id, bool stored) {
@@ -93,12 +103,20 @@ ordered_json files_json(const std::string& id, bool stored) {
 
 }  // namespace
 
+void throw_if_unsupported(const ContourResult& result) {
+  if (!result.unsupported) return;
+  Faults faults;
+  faults.not_supported("/measure", *result.unsupported);
+  faults.throw_if_any();
+}
+
 PolylineSet to_polylines(const ContourCall& call, ContourResult& result) {
   drop_curves_that_are_not_finite(result);
   const double metres = call.units.length.metres;
   const geometry::Vec2 size = 2.0 / metres * call.system.receiver().half;
   PolylineSet out;
   out.receiver_size = {size.x(), size.y()};
+  out.total = result.measure == solver::Measure::total;
   out.length_unit = call.units.length.name;
   out.irradiance_unit = call.units.irradiance();
   out.quantity = call.units.irradiance_name();
@@ -108,8 +126,9 @@ PolylineSet to_polylines(const ContourCall& call, ContourResult& result) {
   out.request_sha256 = call.request_sha256;
   for (const Curve& curve : result.curves) {
     out.curves.push_back({static_cast<PolylineKind>(curve.kind), curve.closed, curve.family_id,
-                          curve.parity, curve.level, curve.length / metres, out.vertices.size(),
-                          curve.vertices.size()});
+                          curve.parity, static_cast<std::int32_t>(curve.boundary), curve.ring_id,
+                          curve.ring_order, 0, curve.level, curve.length / metres,
+                          out.vertices.size(), curve.vertices.size()});
     for (const CurveVertex& v : curve.vertices) out.vertices.push_back(to_vertex(v, metres));
   }
   return out;
@@ -118,9 +137,10 @@ PolylineSet to_polylines(const ContourCall& call, ContourResult& result) {
 std::string answer_json(const ContourCall& call, const ContourResult& result, const std::string& id,
                         bool stored, const std::string& geojson) {
   const double metres = call.units.length.metres;
+  const bool total = result.measure == solver::Measure::total;
   auto curves = ordered_json::array();
   for (std::size_t i = 0; i < result.curves.size(); ++i)
-    curves.push_back(curve_json(result.curves[i], i, metres));
+    curves.push_back(curve_json(result.curves[i], i, metres, total));
   auto skipped = ordered_json::array(), warnings = ordered_json::array();
   for (const auto& [stage, reason] : result.skipped)
     skipped.push_back({{"stage", stage}, {"reason", reason}});

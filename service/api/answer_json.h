@@ -9,6 +9,9 @@
 
 namespace caustic::service {
 
+/// Throws ProblemError (422) where the result says that this version cannot answer.
+void throw_if_unsupported(const solver::ContourResult& result);
+
 /// The curves in the user's length unit. A curve with a number that is not finite is taken out of
 /// `result`, with a warning: such a number must not leave.
 PolylineSet to_polylines(const ContourCall& call, solver::ContourResult& result);

@@ -95,8 +95,6 @@ void read_limits(ObjectReader& root, ContourRequest& request) {
 
 void read_what_is_to_come(ObjectReader& root) {
   Faults& faults = root.faults();
-  if (root.word_or("measure", {"sheet", "total"}, "sheet") == "total")
-    faults.not_supported(root.pointer_to("measure"), "total");
   if (root.boolean_or("direct", false))
     faults.not_supported(root.pointer_to("direct"), "the direct light");
   if (root.boolean_or("certify", false))
@@ -111,6 +109,8 @@ Scene read_members(ObjectReader& root, ContourRequest& request, bool& store) {
   request.max_bounces = families.max_bounces;
   request.min_flux_share = families.min_flux_share;
   read_levels(root, request.levels);
+  if (root.word_or("measure", {"sheet", "total"}, "sheet") == "total")
+    request.measure = solver::Measure::total;
   read_what_is_to_come(root);
   read_include(root, request);
   read_tolerance(root, scene, request);

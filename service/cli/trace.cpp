@@ -65,6 +65,7 @@ int trace_or_throw(const TraceOptions& options, const std::string& format) {
     call.request.progress = bar.callback();
     result = solver::trace_contours(call.system, call.request);
   }
+  throw_if_unsupported(result);
   if (write_all(options.output, output_bytes(format, call, result))) return kDone;
   return report(make_problem(507, "cannot write " + options.output));
 }

@@ -8,15 +8,20 @@ namespace {
 
 using nlohmann::ordered_json;
 
-std::string properties(const Polyline& curve, std::size_t id) {
-  return write_json(
-      ordered_json{{"curve_id", id},
+std::string properties(const Polyline& curve, std::size_t id, bool total) {
+  ordered_json out{{"curve_id", id},
                    {"kind", word(curve.kind)},
                    {"level", curve.is_caustic() ? ordered_json() : ordered_json(curve.level)},
                    {"closed", curve.closed != 0},
                    {"family_id", curve.family_id},
                    {"parity", curve.parity},
-                   {"length", curve.length}});
+                   {"length", curve.length}};
+  if (total) {
+    out["boundary"] = curve.boundary;
+    out["ring_id"] = curve.ring_id;
+    out["ring_order"] = curve.ring_order;
+  }
+  return write_json(out);
 }
 
 }  // namespace
@@ -26,7 +31,7 @@ std::string write_geojson(const PolylineSet& set) {
   for (std::size_t id = 0; id < set.curves.size(); ++id) {
     const Polyline& curve = set.curves[id];
     out += id ? ",\n" : "\n";
-    out += R"({"type":"Feature","properties":)" + properties(curve, id) +
+    out += R"({"type":"Feature","properties":)" + properties(curve, id, set.total) +
            R"(,"geometry":{"type":"LineString","coordinates":[)";
     for (std::uint64_t i = 0; i < curve.file_vertices(); ++i) {
       const PolylineVertex& vertex = set.vertex(curve, i);

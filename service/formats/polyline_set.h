@@ -19,29 +19,35 @@ struct PolylineVertex {
   std::array<double, 3> gradient;  ///< world, per length unit
   double arc_length;
   std::array<double, 3> reflector_point;
+  double dark, bright;  ///< irradiance on both sides of a jump, −1 where unbounded
 };
-static_assert(sizeof(PolylineVertex) == 14 * sizeof(double));
+static_assert(sizeof(PolylineVertex) == 16 * sizeof(double));
 
-enum class PolylineKind : std::int32_t { isolux = 0, caustic = 1 };
+enum class PolylineKind : std::int32_t { isolux = 0, caustic = 1, jump = 2, receiver_edge = 3 };
 
 struct Polyline {
-  PolylineKind kind;
-  std::int32_t closed;  ///< the last vertex joins the first, which is not repeated here
-  std::int32_t family_id;
-  std::int32_t parity;
-  double level;  ///< −1 for caustics
-  double length;
-  std::uint64_t first, count;  ///< its vertices in the set
+  PolylineKind kind = PolylineKind::isolux;
+  std::int32_t closed = 0;  ///< the last vertex joins the first, which is not repeated here
+  std::int32_t family_id = 0;
+  std::int32_t parity = 0;
+  /// Of totals: what a jump runs along (as numbered in the contract), and its place in a ring.
+  std::int32_t boundary = 0, ring_id = -1, ring_order = -1;
+  std::int32_t unused = 0;  ///< no gap in the record
+  double level = 0.0;       ///< −1 for caustics
+  double length = 0.0;
+  std::uint64_t first = 0, count = 0;  ///< its vertices in the set
 
   /// Vertices of a file: a closed curve comes back to its first.
   std::uint64_t file_vertices() const { return count + (closed ? 1 : 0); }
   bool is_caustic() const { return kind == PolylineKind::caustic; }
+  bool is_jump() const { return kind == PolylineKind::jump || kind == PolylineKind::receiver_edge; }
 };
 
 struct PolylineSet {
   std::vector<Polyline> curves;  ///< curve_id is the index
   std::vector<PolylineVertex> vertices;
   std::array<double, 2> receiver_size{};  ///< along u, v
+  bool total = false;                     ///< curves of the total irradiance
 
   std::string length_unit, irradiance_unit, quantity;
   std::string scene_json, units_json, engine_version, request_sha256;
@@ -54,7 +60,8 @@ struct PolylineSet {
 
 /// The words of JSON, GeoJSON and CSV.
 inline const char* word(PolylineKind kind) {
-  return kind == PolylineKind::caustic ? "caustic" : "isolux";
+  constexpr const char* kWords[] = {"isolux", "caustic", "jump", "receiver_edge"};
+  return kWords[static_cast<int>(kind)];
 }
 
 }  // namespace caustic::service

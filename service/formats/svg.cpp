@@ -21,7 +21,7 @@ constexpr const char* kStyle =
     ".grid{stroke:#e6e8eb;stroke-width:1}.tick{stroke:#444;stroke-width:1}"
     ".frame{fill:none;stroke:#444;stroke-width:1.2}"
     ".curve{fill:none;stroke-width:1.7;stroke-linejoin:round;stroke-linecap:round}"
-    ".caustic{stroke-dasharray:7 4;stroke-linecap:butt}"
+    ".caustic{stroke-dasharray:7 4;stroke-linecap:butt}.jump{stroke-width:0.8}"
     ".label{font-size:11px;text-anchor:middle;paint-order:stroke;stroke:#fff;stroke-width:4px;"
     "stroke-linejoin:round}</style>\n";
 
@@ -67,6 +67,10 @@ std::vector<double> levels_of(const PolylineSet& set) {
   return {levels.begin(), levels.end()};
 }
 
+const char* style_of(const Polyline& curve) {
+  return curve.is_caustic() ? "curve caustic" : curve.is_jump() ? "curve jump" : "curve";
+}
+
 std::string color_of(const Polyline& curve, const std::vector<double>& levels) {
   if (curve.is_caustic()) return kCausticColor;
   const double low = std::log(levels.front()), high = std::log(levels.back());
@@ -102,9 +106,9 @@ std::vector<Pixel> pixels_of(const PolylineSet& set, const Polyline& curve, cons
 
 std::string path(const Polyline& curve, std::size_t id, const std::vector<Pixel>& pixels,
                  const std::string& color) {
-  std::string out = element("path", {{"id", "curve" + std::to_string(id)},
-                                     {"class", curve.is_caustic() ? "curve caustic" : "curve"},
-                                     {"stroke", color}});
+  std::string out = element(
+      "path",
+      {{"id", "curve" + std::to_string(id)}, {"class", style_of(curve)}, {"stroke", color}});
   out += " d=\"";
   std::string last;
   for (const Pixel& p : pixels) {
@@ -123,7 +127,7 @@ std::string curves(const PolylineSet& set, const SvgPlot& plot, const std::vecto
     const Polyline& curve = set.curves[id];
     const std::vector<Pixel> pixels = pixels_of(set, curve, plot);
     paths += path(curve, id, pixels, color_of(curve, levels));
-    if (curve.is_caustic()) continue;
+    if (curve.is_caustic() || curve.is_jump()) continue;
     const std::string what = label_text(curve.level);
     for (const SvgLabel& label :
          placer.place(pixels, 0.62 * kFontSize * static_cast<double>(what.size())))
@@ -139,7 +143,7 @@ std::string legend(const PolylineSet& set, const SvgPlot& plot, const std::vecto
   std::string out = text({x, y}, "start", set.quantity + " [" + printed_unit(set) + "]");
   const auto row = [&](const Polyline& curve, const std::string& what) {
     y += 22;
-    out += element("line", {{"class", curve.is_caustic() ? "curve caustic" : "curve"},
+    out += element("line", {{"class", style_of(curve)},
                             {"stroke", color_of(curve, levels)},
                             {"x1", pixel_text(x)},
                             {"y1", pixel_text(y - 4)},
@@ -151,10 +155,10 @@ std::string legend(const PolylineSet& set, const SvgPlot& plot, const std::vecto
   const std::size_t stride = (levels.size() + kMostLegendRows - 1) / kMostLegendRows;
   for (std::size_t i = levels.size(); i-- > 0;)
     if ((levels.size() - 1 - i) % stride == 0)
-      row({PolylineKind::isolux, 0, 0, 0, levels[i], 0, 0, 0}, label_text(levels[i]));
+      row({.kind = PolylineKind::isolux, .level = levels[i]}, label_text(levels[i]));
   const bool any_caustic = std::any_of(set.curves.begin(), set.curves.end(),
                                        [](const Polyline& c) { return c.is_caustic(); });
-  if (any_caustic) row({PolylineKind::caustic, 0, 0, 0, -1, 0, 0, 0}, "caustic");
+  if (any_caustic) row({.kind = PolylineKind::caustic, .level = -1.0}, "caustic");
   if (set.curves.empty()) out += text({x, y + 22}, "start", "no curves", "small");
   return out;
 }

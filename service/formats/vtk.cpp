@@ -60,6 +60,8 @@ void add_points(const PolylineSet& set, vtkPolyData* out) {
   auto* arc_length = add_doubles(data, "arc_length", 1, count);
   auto* uv = add_doubles(data, "uv", 2, count);
   auto* reflector_point = add_doubles(data, "reflector_point", 3, count);
+  auto* dark = set.total ? add_doubles(data, "E_dark", 1, count) : nullptr;
+  auto* bright = set.total ? add_doubles(data, "E_bright", 1, count) : nullptr;
   for (vtkIdType i = 0; i < count; ++i) {
     const PolylineVertex& vertex = set.vertices[static_cast<std::size_t>(i)];
     points->SetPoint(i, vertex.position.data());
@@ -69,6 +71,8 @@ void add_points(const PolylineSet& set, vtkPolyData* out) {
     arc_length->SetValue(i, vertex.arc_length);
     uv->SetTypedTuple(i, vertex.uv.data());
     reflector_point->SetTypedTuple(i, vertex.reflector_point.data());
+    if (dark) dark->SetValue(i, vertex.dark);
+    if (bright) bright->SetValue(i, vertex.bright);
   }
   out->SetPoints(points);
 }
@@ -93,6 +97,9 @@ void add_cell_data(const PolylineSet& set, vtkPolyData* out) {
   auto* family_id = add_ints(data, "family_id", count);
   auto* parity = add_ints(data, "parity", count);
   auto* length = add_doubles(data, "length", 1, count);
+  auto* boundary = set.total ? add_ints(data, "boundary", count) : nullptr;
+  auto* ring_id = set.total ? add_ints(data, "ring_id", count) : nullptr;
+  auto* ring_order = set.total ? add_ints(data, "ring_order", count) : nullptr;
   for (vtkIdType i = 0; i < count; ++i) {
     const Polyline& curve = set.curves[static_cast<std::size_t>(i)];
     curve_id->SetValue(i, static_cast<int>(i));
@@ -102,6 +109,10 @@ void add_cell_data(const PolylineSet& set, vtkPolyData* out) {
     family_id->SetValue(i, curve.family_id);
     parity->SetValue(i, curve.parity);
     length->SetValue(i, curve.length);
+    if (!set.total) continue;
+    boundary->SetValue(i, curve.boundary);
+    ring_id->SetValue(i, curve.ring_id);
+    ring_order->SetValue(i, curve.ring_order);
   }
 }
 

@@ -8,7 +8,7 @@
 namespace caustic::service {
 namespace {
 
-constexpr char kMagic[] = "isolux01";
+constexpr char kMagic[] = "isolux02";
 constexpr std::size_t kChecksumSize = 64;
 
 struct Sizes {
@@ -41,7 +41,7 @@ std::optional<Sizes> check(std::string_view bytes) {
 std::string labels_json(const PolylineSet& set) {
   return nlohmann::json{set.length_unit,    set.irradiance_unit,  set.quantity,
                         set.scene_json,     set.units_json,       set.engine_version,
-                        set.request_sha256, set.receiver_size[0], set.receiver_size[1]}
+                        set.request_sha256, set.receiver_size[0], set.receiver_size[1], set.total}
       .dump();
 }
 
@@ -52,6 +52,7 @@ void read_labels(std::string_view text, PolylineSet& set) {
                              &set.units_json, &set.engine_version, &set.request_sha256})
     *label = labels[next++];
   for (double& size : set.receiver_size) size = labels[next++];
+  set.total = labels[next];
 }
 
 template <typename Item>

@@ -31,11 +31,19 @@ inline service::PolylineSet sample_polylines() {
                               1e-13 * t,
                               {caustic ? 0.0 : std::sqrt(2.0), 0, 0},
                               r * t,
-                              {0.1, 0.2, 0.3}});
+                              {0.1, 0.2, 0.3},
+                              caustic ? -1.0 : 0.1 * (id + 1),
+                              caustic ? -1.0 : 0.1 * (id + 1)});
     }
-    set.curves.push_back({caustic ? PolylineKind::caustic : PolylineKind::isolux, !caustic, 0,
-                          caustic ? 0 : 1, caustic ? -1.0 : 0.1 * (id + 1), 2.5 * (id + 1), first,
-                          count});
+    service::Polyline curve;
+    curve.kind = caustic ? PolylineKind::caustic : PolylineKind::isolux;
+    curve.closed = !caustic;
+    curve.parity = caustic ? 0 : 1;
+    curve.level = caustic ? -1.0 : 0.1 * (id + 1);
+    curve.length = 2.5 * (id + 1);
+    curve.first = first;
+    curve.count = count;
+    set.curves.push_back(curve);
   }
   return set;
 }
