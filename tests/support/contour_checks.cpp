@@ -134,6 +134,9 @@ void expect_end(const OpticalSystem& system, const ForwardMap& map, const FieldP
                         << " a " << f.a / f.scale_of_a() << " cos " << f.cos_alpha << " facing "
                         << f.facing << " lambda " << f.lambda;
       break;
+    case Ending::node:
+      ADD_FAILURE() << what << ": a sheet's curve ends at a node";
+      break;
   }
 }
 
