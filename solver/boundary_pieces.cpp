@@ -31,15 +31,16 @@ struct Cut {
 
 class BoundaryCutter {
  public:
-  BoundaryCutter(SheetCarrier& carrier, const std::vector<BoundaryCurve>& curves)
+  BoundaryCutter(SheetCarrier& carrier, const std::vector<BoundaryCurve>& curves, Budget& budget)
       : carrier_(carrier),
+        budget_(budget),
         curves_(curves),
         cuts_(curves.size()),
         width_(carrier.system().receiver().width()) {}
 
   BoundaryPieces run() {
     cut_at_crossings();
-    for (std::size_t c = 0; c < curves_.size(); ++c) {
+    for (std::size_t c = 0; c < curves_.size() && !budget_.exhausted(); ++c) {
       cut_at_ends_of_others(c);
       cut_at_folds(c);
       split(c);
@@ -69,6 +70,7 @@ class BoundaryCutter {
               std::vector<BoundaryVertex>& out);
 
   SheetCarrier& carrier_;
+  Budget& budget_;
   const std::vector<BoundaryCurve>& curves_;
   std::vector<std::vector<Cut>> cuts_;
   double width_;
@@ -170,7 +172,7 @@ void BoundaryCutter::cut_at_crossings() {
     }
   }
   std::sort(all.begin(), all.end(), [](const Segment& s, const Segment& t) { return s.lo < t.lo; });
-  for (std::size_t s = 0; s < all.size(); ++s) {
+  for (std::size_t s = 0; s < all.size() && !budget_.exhausted(); ++s) {
     for (std::size_t t = s + 1; t < all.size() && all[t].lo <= all[s].hi; ++t) {
       const Segment &a = all[s], &b = all[t];
       if (a.top < b.bottom || b.top < a.bottom) continue;
@@ -332,8 +334,7 @@ void BoundaryCutter::finish(std::size_t c, bool closed, std::vector<BoundaryPlac
     std::reverse(places.begin(), places.end());
   const std::size_t start = places.size() / 2;
 
-  bool complete_search = true;
-  BoundaryVertex first{places[start], carrier_.find(places[start].q, complete_search)};
+  BoundaryVertex first{places[start], carrier_.find(places[start].q)};
   const double reach = 1e-6 * carrier_.system().diameter();
   std::erase_if(first.others, [&](const Branch& b) {
     if (b.field != curves_[c].field) return false;
@@ -399,8 +400,9 @@ void complete_totals(const BoundaryCurve& curve, BoundaryVertex& v) {
     v.inside = others + std::max(0.0, v.at.own.irradiance());
 }
 
-BoundaryPieces cut_boundaries(SheetCarrier& carrier, const std::vector<BoundaryCurve>& curves) {
-  return BoundaryCutter(carrier, curves).run();
+BoundaryPieces cut_boundaries(SheetCarrier& carrier, const std::vector<BoundaryCurve>& curves,
+                              Budget& budget) {
+  return BoundaryCutter(carrier, curves, budget).run();
 }
 
 }  // namespace caustic::solver

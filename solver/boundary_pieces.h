@@ -43,6 +43,7 @@ struct BoundaryPieces {
   std::size_t unresolved = 0;  ///< pieces whose totals could not be followed
 };
 
-BoundaryPieces cut_boundaries(SheetCarrier& carrier, const std::vector<BoundaryCurve>& curves);
+BoundaryPieces cut_boundaries(SheetCarrier& carrier, const std::vector<BoundaryCurve>& curves,
+                              Budget& budget);
 
 }  // namespace caustic::solver

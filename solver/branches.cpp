@@ -27,16 +27,10 @@ Total total_of(const Branches& branches) {
 
 SheetCarrier::SheetCarrier(const OpticalSystem& system, std::vector<const FamilyField*> fields,
                            Budget& budget)
-    : system_(system), fields_(std::move(fields)) {
+    : system_(system), fields_(std::move(fields)), budget_(budget) {
   for (const FamilyField* field : fields_) {
     evaluators_.push_back(std::make_unique<Evaluator>(field->map, budget));
-    const int family = field->piece.family;
-    bool known = false;
-    for (const Finder& finder : finders_) known |= finder.family == family;
-    if (known) continue;
-    Family surfaces;
-    for (const auto& hop : field->piece.hops) surfaces.push_back(hop.surface);
-    finders_.push_back({family, PathFinder(system, surfaces, system.light())});
+    locators_.emplace_back(*field);
   }
 }
 
@@ -73,7 +67,7 @@ std::optional<FieldPoint> SheetCarrier::carry(int field, const FieldPoint& from,
   FieldPoint at = from;
   double share = 1.0;
   int halvings = 0;
-  while (true) {
+  while (!budget_.exhausted()) {
     const Vec2 rest = to - at.q;
     const bool last = share == 1.0;
     if (auto next = newton(field, at, last ? to : Vec2(at.q + share * rest))) {
@@ -85,6 +79,7 @@ std::optional<FieldPoint> SheetCarrier::carry(int field, const FieldPoint& from,
       share *= 0.5;
     }
   }
+  return std::nullopt;
 }
 
 bool SheetCarrier::carry(Branches& branches, const Vec2& to) {
@@ -99,21 +94,10 @@ bool SheetCarrier::carry(Branches& branches, const Vec2& to) {
   return true;
 }
 
-Branches SheetCarrier::find(const Vec2& q, bool& complete) {
+Branches SheetCarrier::find(const Vec2& q) {
   Branches found;
-  const Point p = system_.receiver().point(q);
-  for (Finder& finder : finders_) {
-    const auto answer = finder.find.to(p);
-    complete &= answer.undecided == 0;
-    for (const FamilyPath& way : answer.paths) {
-      for (int i = 0; i < field_count(); ++i) {
-        if (fields_[i]->piece.family != finder.family) continue;
-        FieldPoint at = evaluators_[i]->on_surface(way.path.x.front());
-        if (!at.arrives() || !at.lit() || !(at.flux > 0.0)) continue;
-        found.push_back({i, std::move(at)});
-        break;
-      }
-    }
+  for (int i = 0; i < field_count() && !budget_.exhausted(); ++i) {
+    for (FieldPoint& at : locators_[i].at(q, *evaluators_[i])) found.push_back({i, std::move(at)});
   }
   return found;
 }

@@ -5,8 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "solver/family_field.h"
-#include "solver/find_paths.h"
+#include "solver/sheet_locator.h"
 
 namespace caustic::solver {
 
@@ -41,8 +40,8 @@ class SheetCarrier {
   /// Carries all, or leaves them as they are and returns false.
   bool carry(Branches& branches, const Vec2& to);
 
-  /// All paths to q, found anew by point location. `complete` becomes false next to a caustic.
-  Branches find(const Vec2& q, bool& complete);
+  /// All paths to q, found anew; none once the budget is exhausted.
+  Branches find(const Vec2& q);
 
  private:
   std::optional<FieldPoint> newton(int field, const FieldPoint& from, const Vec2& to);
@@ -50,11 +49,8 @@ class SheetCarrier {
   const OpticalSystem& system_;
   std::vector<const FamilyField*> fields_;
   std::vector<std::unique_ptr<Evaluator>> evaluators_;
-  struct Finder {
-    int family;
-    PathFinder find;
-  };
-  std::vector<Finder> finders_;
+  std::vector<SheetLocator> locators_;
+  Budget& budget_;
 };
 
 }  // namespace caustic::solver

@@ -32,7 +32,7 @@ class TotalTracer {
         chord_(chord),
         residual_(residual),
         curves_(trace_boundaries(carrier_, budget, chord, residual)),
-        pieces_(cut_boundaries(carrier_, curves_)),
+        pieces_(cut_boundaries(carrier_, curves_, budget)),
         grid_(carrier_) {
     result_.unresolved = pieces_.unresolved;
     for (const FamilyField* field : fields) {
@@ -43,7 +43,10 @@ class TotalTracer {
 
   TotalContours run(const std::vector<double>& levels) {
     int rings = 0;
-    for (const double level : levels) trace(level, rings);
+    for (const double level : levels) {
+      if (budget_.exhausted()) break;
+      trace(level, rings);
+    }
     result_.unresolved += hidden_;
     return std::move(result_);
   }

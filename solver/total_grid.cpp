@@ -18,8 +18,7 @@ TotalGrid::TotalGrid(SheetCarrier& carrier)
     : carrier_(carrier), half_(carrier.system().receiver().half), count_(kCells) {
   for (int j = 0; j <= count_; ++j) {
     for (int i = 0; i <= count_; ++i) {
-      bool complete = true;
-      Branches branches = carrier_.find(place(i, j), complete);
+      Branches branches = carrier_.find(place(i, j));
       const double total = total_of(branches).E;
       nodes_.push_back({std::move(branches), total});
     }

@@ -1,0 +1,116 @@
+#include "solver/sheet_locator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace caustic::solver {
+
+namespace {
+
+constexpr std::size_t kBins = 64;  // a side
+// The image of a cell reaches beyond its samples by at most this share of their spread: exploration
+// refines cells whose images are not nearly what gradients say.
+constexpr double kReachBeyond = 0.3;
+constexpr int kMaxNewton = 30;
+// Newton's steps are no longer than this many radii of the cell, and its end no further from it.
+constexpr double kLongestStep = 0.5;
+constexpr double kFurthest = 1.5;
+constexpr double kLocatorRoundings = 4.0;
+// Roots nearer than this share of a cell are one.
+constexpr double kOneRoot = 1e-6;
+// On the domain's boundary to rounding is inside.
+constexpr double kDomainRoundings = 100.0;
+
+// Newton's method for q(x) = q on the surface.
+std::optional<FieldPoint> newton_to(const Vec2& q, const FieldPoint& start, double radius,
+                                    Evaluator& evaluate) {
+  FieldPoint at = start;
+  double previous = geometry::kInfinity;
+  for (int i = 0; i < kMaxNewton; ++i) {
+    if (!at.arrives() || (at.x - start.x).norm() > 2.0 * kFurthest * radius) return std::nullopt;
+    const Vec2 dq = q - at.q;
+    const double left = dq.norm(), stretch = std::sqrt(at.q_s.squaredNorm() + at.q_t.squaredNorm());
+    const double rounding = kLocatorRoundings * (stretch * evaluate.map().rounding(at.x) +
+                                                 geometry::kEpsilon * q.norm());
+    if (left <= rounding || (i > 8 && left >= 0.5 * previous && left <= 1e6 * rounding)) return at;
+    previous = left;
+    const double det = at.q_s.x() * at.q_t.y() - at.q_t.x() * at.q_s.y();
+    Vec3 step = ((at.q_t.y() * dq.x() - at.q_t.x() * dq.y()) * at.e1 +
+                 (at.q_s.x() * dq.y() - at.q_s.y() * dq.x()) * at.e2) /
+                det;
+    const double length = step.norm();
+    if (!std::isfinite(length)) return std::nullopt;
+    if (length > kLongestStep * radius) step *= kLongestStep * radius / length;
+    at = evaluate.on_surface(at.x + step, at.hits.get());
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::size_t SheetLocator::bin(const Vec2& q, int axis) const {
+  const double half = field_.map.receiver().half[axis];
+  const double share = 0.5 * (q[axis] / half + 1.0) * double(kBins);
+  return static_cast<std::size_t>(std::clamp(share, 0.0, double(kBins - 1)));
+}
+
+SheetLocator::SheetLocator(const FamilyField& field) : field_(field), bins_(kBins * kBins) {
+  const Exploration& e = field.exploration;
+  for (const Cell& cell : e.cells) {
+    Image image{Vec2::Constant(geometry::kInfinity), Vec2::Constant(-geometry::kInfinity), false};
+    double least = geometry::kInfinity, largest = -geometry::kInfinity;
+    const auto include = [&](const FieldPoint& f) {
+      if (!f.arrives()) return;
+      image.lo = image.lo.cwiseMin(f.q);
+      image.hi = image.hi.cwiseMax(f.q);
+      least = std::min(least, f.a);
+      largest = std::max(largest, f.a);
+    };
+    for (const Corner& corner : cell.polygon) include(e.samples[corner.sample]);
+    include(e.samples[cell.center]);
+    // Near zero at a corner it may change its sign between samples.
+    image.folded =
+        least * largest <= 0.0 || std::min(std::abs(least), std::abs(largest)) <
+                                      0.25 * std::max(std::abs(least), std::abs(largest));
+    const Vec2 more = Vec2::Constant(kReachBeyond * (image.hi - image.lo).norm());
+    image.lo -= more;
+    image.hi += more;
+    const int id = static_cast<int>(images_.size());
+    images_.push_back(image);
+    if (!(image.lo.x() <= image.hi.x())) continue;
+    for (std::size_t i = bin(image.lo, 0); i <= bin(image.hi, 0); ++i) {
+      for (std::size_t j = bin(image.lo, 1); j <= bin(image.hi, 1); ++j)
+        bins_[j * kBins + i].push_back(id);
+    }
+  }
+}
+
+std::vector<FieldPoint> SheetLocator::at(const Vec2& q, Evaluator& evaluate) const {
+  std::vector<FieldPoint> found;
+  const Exploration& e = field_.exploration;
+  for (const int id : bins_[bin(q, 1) * kBins + bin(q, 0)]) {
+    const Image& image = images_[id];
+    if ((q.array() < image.lo.array()).any() || (q.array() > image.hi.array()).any()) continue;
+    const Cell& cell = e.cells[id];
+    const FieldPoint& center = e.samples[cell.center];
+    const auto take = [&](const FieldPoint& start) {
+      auto f = newton_to(q, start, cell.radius, evaluate);
+      if (!f || !f->lit() || !(f->flux > 0.0) || (f->x - center.x).norm() > kFurthest * cell.radius)
+        return;
+      if (field_.domain.worst(*f).value >
+          kDomainRoundings * evaluate.map().rounding(f->x) * (1.0 + f->q_s.norm() + f->q_t.norm()))
+        return;
+      for (const FieldPoint& other : found) {
+        if ((other.x - f->x).norm() <= kOneRoot * cell.radius) return;
+      }
+      found.push_back(std::move(*f));
+    };
+    if (center.arrives()) take(center);
+    if (!image.folded && center.arrives()) continue;
+    for (const Corner& corner : cell.polygon) take(e.samples[corner.sample]);
+  }
+  return found;
+}
+
+}  // namespace caustic::solver
