@@ -18,6 +18,16 @@ std::string id_of(const json& request) { return read_contour_call(request.dump()
 
 using Pointers = std::vector<std::string>;
 
+TEST(ContourJson, reads_the_measure) {
+  json request = ball_request();
+  const ContourCall sheet = read_contour_call(request.dump());
+  EXPECT_EQ(sheet.request.measure, solver::Measure::sheet);
+  request["measure"] = "total";
+  const ContourCall total = read_contour_call(request.dump());
+  EXPECT_EQ(total.request.measure, solver::Measure::total);
+  EXPECT_NE(total.id, sheet.id);
+}
+
 TEST(ContourJson, fills_the_defaults_in) {
   json request = ball_request();
   request.erase("levels");

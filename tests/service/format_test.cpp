@@ -103,6 +103,31 @@ void expect_same(vtkPolyData* data, const PolylineSet& set, double relative) {
   }
 }
 
+TEST(Formats, say_the_rings_of_totals) {
+  PolylineSet set = sample_polylines();
+  const auto read = [&] { return read_vtp(write_vtp(set)); };
+  EXPECT_FALSE(read()->GetCellData()->HasArray("ring_id"));
+  set.total = true;
+  set.curves[1].kind = PolylineKind::jump;
+  set.curves[1].boundary = 4;
+  set.curves[1].ring_id = 2;
+  set.curves[1].ring_order = 5;
+  set.vertices[set.curves[1].first].dark = 0.125;
+  set.vertices[set.curves[1].first].bright = -1.0;
+  const auto data = read();
+  expect_same(data, set, 0.0);
+  const auto first = static_cast<vtkIdType>(set.curves[1].first);
+  EXPECT_EQ(data->GetPointData()->GetArray("E_dark")->GetComponent(first, 0), 0.125);
+  EXPECT_EQ(data->GetPointData()->GetArray("E_bright")->GetComponent(first, 0), -1.0);
+  EXPECT_EQ(data->GetCellData()->GetArray("boundary")->GetComponent(1, 0), 4);
+  EXPECT_EQ(data->GetCellData()->GetArray("ring_id")->GetComponent(1, 0), 2);
+  EXPECT_EQ(data->GetCellData()->GetArray("ring_order")->GetComponent(1, 0), 5);
+  const auto feature = nlohmann::json::parse(write_geojson(set))["features"][1]["properties"];
+  EXPECT_EQ(feature["kind"], "jump");
+  EXPECT_EQ(feature["ring_order"], 5);
+  EXPECT_NE(write_svg(set).find("class=\"curve jump\""), std::string::npos);
+}
+
 TEST(Formats, vtp_says_everything_exactly) {
   const PolylineSet set = sample_polylines();
   const std::string bytes = write_vtp(set);

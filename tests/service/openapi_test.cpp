@@ -99,6 +99,21 @@ TEST(Openapi, answers_fit_it) {
   expect_valid("Problem", json::parse(bad.body));
 }
 
+TEST(Openapi, answers_of_totals_fit_it) {
+  const test::TemporaryFolder folder;
+  const ResultStore store(folder.path());
+  const ContourService contours(solver::trace_contours, store);
+  json request = test::ball_request();
+  request["measure"] = "total";
+  request["levels"] = {0.00018, 0.0005};
+  expect_valid("ContourRequest", request);
+  const json answer = json::parse(contours.post(request.dump()));
+  expect_valid("ContourAnswer", answer);
+  int edges = 0;
+  for (const json& curve : answer["curves"]) edges += curve["kind"] == "receiver_edge";
+  EXPECT_GT(edges, 0);
+}
+
 TEST(Openapi, calls_about_points_fit_it) {
   expect_valid("PathRequest", test::path_request());
   expect_valid("PathAnswer", json::parse(answer_paths(test::path_request().dump())));

@@ -115,6 +115,23 @@ TEST_F(RoutesTest, what_fails_fails_for_all_who_asked_and_can_be_asked_again) {
   EXPECT_EQ(post(ball_request()).status, 200);
 }
 
+TEST_F(RoutesTest, what_the_engine_lacks_is_a_fault_of_the_request) {
+  engine = [](const auto&, const auto& request) {
+    solver::ContourResult result;
+    EXPECT_EQ(request.measure, solver::Measure::total);
+    result.unsupported = "the total where surfaces hide light";
+    return result;
+  };
+  json request = ball_request();
+  request["measure"] = "total";
+  const HttpResponse response = post(request);
+  EXPECT_EQ(response.status, 422);
+  EXPECT_EQ(json::parse(response.body)["errors"], json::parse(R"([{"pointer":"/measure","detail":
+                "the total where surfaces hide light: not supported by this version"}])"));
+  engine = test::draw_circles;
+  EXPECT_EQ(post(request).status, 200);  // nothing was stored
+}
+
 TEST_F(RoutesTest, serves_what_it_stored) {
   const std::string body = post(ball_request()).body;
   const json answer = json::parse(body);
