@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kBins = 64;  // a side
 // The image of a cell reaches beyond its samples by at most this share of their spread: exploration
 // refines cells whose images are not nearly what gradients say.
-constexpr double kReachBeyond = 0.3;
+constexpr double kImageMargin = 0.3;
 constexpr int kMaxNewton = 30;
 // Newton's steps are no longer than this many radii of the cell, and its end no further from it.
 constexpr double kLongestStep = 0.5;
@@ -73,7 +73,7 @@ SheetLocator::SheetLocator(const FamilyField& field) : field_(field), bins_(kBin
     image.folded =
         least * largest <= 0.0 || std::min(std::abs(least), std::abs(largest)) <
                                       0.25 * std::max(std::abs(least), std::abs(largest));
-    const Vec2 more = Vec2::Constant(kReachBeyond * (image.hi - image.lo).norm());
+    const Vec2 more = Vec2::Constant(kImageMargin * (image.hi - image.lo).norm());
     image.lo -= more;
     image.hi += more;
     const int id = static_cast<int>(images_.size());

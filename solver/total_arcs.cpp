@@ -37,13 +37,13 @@ Vec2 along_level(const Total& total) {
   return Vec2(total.gradient.y(), -total.gradient.x()).normalized();
 }
 
+}  // namespace
+
 struct ArcNode {
   ArcVertex at;
   Vec2 t;          // unit tangent
   double s = 0.0;  // since the beginning of the step
 };
-
-}  // namespace
 
 class ArcTracer::Impl final : public DirectionField {
  public:

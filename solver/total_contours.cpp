@@ -12,7 +12,7 @@ namespace caustic::solver {
 namespace {
 
 // Ends of arcs this near, in widths of the receiver, meet.
-constexpr double kMeetingShare = 1e-7;
+constexpr double kJoinShare = 1e-7;
 // Nearer than this share of the receiver's width to its end a family's domain is a rim.
 constexpr double kRimShare = 1e-6;
 
@@ -165,7 +165,7 @@ void TotalTracer::trace(double level, int& rings) {
 
   std::vector<RingArc> arcs;
   for (const Drawn& d : drawn) arcs.push_back(d.arc);
-  const Rings joined = join_rings(arcs, kMeetingShare * system_.receiver().width());
+  const Rings joined = join_rings(arcs, kJoinShare * system_.receiver().width());
   result_.unresolved += joined.open;
   for (std::size_t k = 0; k < drawn.size(); ++k) {
     drawn[k].curve.ring_id = rings + joined.id[k];
