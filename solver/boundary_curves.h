@@ -1,6 +1,6 @@
 // The curves on the receiver across which the number of sheets changes: images of caustics and of
 // the boundaries of families, traced by the code that traces levels, and the edges of the receiver
-// (S41).
+// (S51).
 #pragma once
 
 #include <vector>

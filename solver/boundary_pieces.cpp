@@ -100,7 +100,7 @@ Vec2 BoundaryCutter::image_tangent(std::size_t c, const BoundaryPlace& at, Vec3&
   return at.own.push_forward(t);
 }
 
-// Newton's method on both curves at once: q_A + α q̇_A = q_B + β q̇_B (S42).
+// Newton's method on both curves at once: q_A + α q̇_A = q_B + β q̇_B (S52).
 void BoundaryCutter::cross_segments(std::size_t c, std::size_t i, std::size_t d, std::size_t j) {
   const std::size_t in = (i + 1) % curves_[c].q.size(), jn = (j + 1) % curves_[d].q.size();
   const Vec2 &a0 = curves_[c].q[i], &a1 = curves_[c].q[in], &b0 = curves_[d].q[j],

@@ -1,5 +1,5 @@
 // Boundary curves cut where their images cross, fold or meet the caustic, so that along each piece
-// the number of sheets on either side is constant; with the totals on both sides (S42), (S43).
+// the number of sheets on either side is constant; with the totals on both sides (S52), (S53).
 #pragma once
 
 #include <optional>

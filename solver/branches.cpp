@@ -34,7 +34,7 @@ SheetCarrier::SheetCarrier(const OpticalSystem& system, std::vector<const Family
   }
 }
 
-// (S40): x moves by J dq, J dq = M⁻¹ dq in the tangent frame, until q(x) has arrived.
+// (S50): x moves by J dq, J dq = M⁻¹ dq in the tangent frame, until q(x) has arrived.
 std::optional<FieldPoint> SheetCarrier::newton(int field, const FieldPoint& from, const Vec2& to) {
   Evaluator& evaluate = *evaluators_[field];
   const double way = (to - from.q).norm();

@@ -1,4 +1,4 @@
-// The sheets that reach one point of the receiver, carried along as the point moves (S40).
+// The sheets that reach one point of the receiver, carried along as the point moves (S50).
 #pragma once
 
 #include <memory>

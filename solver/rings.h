@@ -1,4 +1,4 @@
-// Arcs joined head to tail to the rings that bound a region (S45).
+// Arcs joined head to tail to the rings that bound a region (S55).
 #pragma once
 
 #include <cstddef>

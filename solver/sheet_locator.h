@@ -1,5 +1,5 @@
 // All sheets of an explored field at a point of the receiver: the cells whose images may cover it,
-// then Newton's method in each (S41).
+// then Newton's method in each (S51).
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// Level arcs of the total irradiance, traced on the receiver with all sheets carried along (S44).
+// Level arcs of the total irradiance, traced on the receiver with all sheets carried along (S54).
 #pragma once
 
 #include <vector>

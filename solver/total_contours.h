@@ -1,5 +1,5 @@
 // The edge of {E_total ≥ level} on the receiver: level arcs and jump arcs that close to rings with
-// the brighter side on the left. NOTATION.md (S40)–(S45).
+// the brighter side on the left. NOTATION.md (S50)–(S55).
 #pragma once
 
 #include <optional>

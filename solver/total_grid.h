@@ -1,6 +1,6 @@
 // A grid of totals on the receiver that finds what tracing from the boundaries cannot: closed arcs
 // inside a face. Where the totals at two neighbours say that a level lies between, an odd number of
-// arcs must pass between them (S45).
+// arcs must pass between them (S55).
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
 // Where the total passes a level on one side of a boundary piece, and where the level lies between
-// the totals on both sides (S43).
+// the totals on both sides (S53).
 #pragma once
 
 #include <array>
