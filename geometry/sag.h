@@ -81,8 +81,8 @@ SurfacePtr make_sag(const Point& origin, const Mat3& axes, const XyPolynomial& h
 
 /// Heights at nx × ny places from min to max, values[j·nx + i] at the i-th x and the j-th y.
 struct HeightGrid {
-  Vec2 min, max;
-  int nx, ny;
+  Vec2 min = Vec2::Zero(), max = Vec2::Zero();
+  int nx = 0, ny = 0;
   std::vector<double> values;
 };
 /// The surface through them (S22), which ends with the grid; at least kMinSamples each way.

@@ -192,9 +192,10 @@ class SagHeights final : public SagSurface, public std::enable_shared_from_this<
     std::vector<Bound> bounds;
     for (int k = 0; k < 2; ++k) {
       const Direction axis = axes_.col(k);
-      using Kind = Bound::Kind;
-      bounds.push_back({Kind::half_space, o_ + max_[k] * axis, axis, 0.0, Bound::Origin::shape});
-      bounds.push_back({Kind::half_space, o_ + min_[k] * axis, -axis, 0.0, Bound::Origin::shape});
+      bounds.push_back(
+          {Bound::Kind::half_space, o_ + max_[k] * axis, axis, 0.0, Bound::Origin::shape});
+      bounds.push_back(
+          {Bound::Kind::half_space, o_ + min_[k] * axis, -axis, 0.0, Bound::Origin::shape});
     }
     return bounds;
   }

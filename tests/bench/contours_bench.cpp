@@ -29,6 +29,7 @@ BENCHMARK_CAPTURE(contours, convex_ellipsoid, convex_ellipsoid());
 BENCHMARK_CAPTURE(contours, A1_sphere_ceiling, example_scene("sphere-ceiling"));
 BENCHMARK_CAPTURE(contours, A2_sphere_wall, example_scene("sphere-wall"));
 BENCHMARK_CAPTURE(contours, B_nephroid, example_scene("nephroid"));
+BENCHMARK_CAPTURE(contours, B_nephroid_total, nephroid_total());
 BENCHMARK_CAPTURE(contours, torus, example_scene("torus"));
 BENCHMARK_CAPTURE(contours, cuboid, example_scene("cuboid"));
 BENCHMARK_CAPTURE(contours, vase, example_scene("vase"));

@@ -20,6 +20,14 @@ inline SceneRequest example_scene(std::string_view name) {
   return {std::move(call.system), std::move(call.request)};
 }
 
+/// The nephroid's total, chord 1e-5 of the window.
+inline SceneRequest nephroid_total() {
+  SceneRequest scene = example_scene("nephroid");
+  scene.request.measure = solver::Measure::total;
+  scene.request.chord_tolerance = 1e-5 * scene.system.receiver().width();
+  return scene;
+}
+
 /// A convex mirror, semi-axes 1, 1.4 and 0.8 m, under a lamp, and a ceiling of 6 m × 6 m; ten
 /// levels.
 inline SceneRequest convex_ellipsoid() {

@@ -12,14 +12,15 @@ namespace {
 std::atomic<std::size_t> allocations{0};
 }
 
-// All of the program's; sanitizers keep their own, which this still passes on to.
-void* operator new(std::size_t size) {
+// All of the program's; sanitizers keep their own, which this still passes on to. Not inlined, or
+// GCC sees free() meet operator new.
+[[gnu::noinline]] void* operator new(std::size_t size) {
   ++allocations;
   if (void* p = std::malloc(size > 0 ? size : 1)) return p;
   throw std::bad_alloc();
 }
-void operator delete(void* p) noexcept { std::free(p); }
-void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+[[gnu::noinline]] void operator delete(void* p) noexcept { std::free(p); }
+[[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept { std::free(p); }
 
 namespace caustic::solver {
 namespace {
