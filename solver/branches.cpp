@@ -45,12 +45,9 @@ std::optional<FieldPoint> SheetCarrier::newton(int field, const FieldPoint& from
     const double rounding = evaluate.map().rounding(at.x);
     if (left <= kArrivalRoundings * (stretch * rounding + geometry::kEpsilon * to.norm()))
       return at;
-    const double det = at.q_s.x() * at.q_t.y() - at.q_t.x() * at.q_s.y();
-    const Vec2 dq = to - at.q;
-    const double ds = (at.q_t.y() * dq.x() - at.q_t.x() * dq.y()) / det;
-    const double dt = (at.q_s.x() * dq.y() - at.q_s.y() * dq.x()) / det;
-    if (!std::isfinite(ds) || !std::isfinite(dt)) return std::nullopt;
-    at = evaluate.on_surface(at.x + ds * at.e1 + dt * at.e2, at.hits.get());
+    const Vec3 step = at.pull_back(to - at.q);
+    if (!step.allFinite()) return std::nullopt;
+    at = evaluate.on_surface(at.x + step, at.hits.get());
     if (!at.arrives() || !(at.a * from.a > 0.0)) return std::nullopt;
     const double before = left;
     left = (to - at.q).norm();

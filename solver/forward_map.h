@@ -66,6 +66,13 @@ struct FieldPoint {
   Vec3 inverse_irradiance_gradient() const { return (grad_a - (a / flux) * grad_flux) / flux; }
   /// dq for a step dx in the tangent plane.
   Vec2 push_forward(const Vec3& dx) const { return q_s * e1.dot(dx) + q_t * e2.dot(dx); }
+  /// The step in the tangent plane whose image is dq, by the path Jacobian (S7); not finite where a
+  /// is zero.
+  Vec3 pull_back(const Vec2& dq) const {
+    const double det = q_s.x() * q_t.y() - q_t.x() * q_s.y();
+    return ((q_t.y() * dq.x() - q_t.x() * dq.y()) / det) * e1 +
+           ((q_s.x() * dq.y() - q_s.y() * dq.x()) / det) * e2;
+  }
 };
 
 /// A family of hops. The system must outlive the map.

@@ -35,10 +35,7 @@ std::optional<FieldPoint> newton_to(const Vec2& q, const FieldPoint& start, doub
                                                  geometry::kEpsilon * q.norm());
     if (left <= rounding || (i > 8 && left >= 0.5 * previous && left <= 1e6 * rounding)) return at;
     previous = left;
-    const double det = at.q_s.x() * at.q_t.y() - at.q_t.x() * at.q_s.y();
-    Vec3 step = ((at.q_t.y() * dq.x() - at.q_t.x() * dq.y()) * at.e1 +
-                 (at.q_s.x() * dq.y() - at.q_s.y() * dq.x()) * at.e2) /
-                det;
+    Vec3 step = at.pull_back(dq);
     const double length = step.norm();
     if (!std::isfinite(length)) return std::nullopt;
     if (length > kLongestStep * radius) step *= kLongestStep * radius / length;
