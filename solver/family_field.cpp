@@ -15,6 +15,13 @@ constexpr double kDegenerateSamples = 0.9;
 // φ that varies by less than this share over the whole window is constant.
 constexpr double kUniformShare = 1e-10;
 
+// Is this corner one of those on the way along which paths end?
+bool ends_paths(const Cell& cell, std::size_t k) {
+  const std::size_t count = cell.polygon.size();
+  return cell.polygon[k].boundary == kPathEnds ||
+         cell.polygon[(k + count - 1) % count].boundary == kPathEnds;
+}
+
 }  // namespace
 
 FamilyField::FamilyField(const OpticalSystem& system, const PlannedPiece& planned,
@@ -51,15 +58,20 @@ void FamilyField::measure() {
   for (const Cell& cell : exploration.cells) {
     const double visible = 1.0 - cell.hidden;
     if (visible <= 0.0) continue;
-    double flux_sum = 0.0, a_sum = 0.0;
-    for (const Corner& corner : cell.polygon) {
-      const FieldPoint& f = exploration.samples[corner.sample];
+    double flux_sum = 0.0, a_sum = 0.0, share = 1.0;
+    for (std::size_t k = 0; k < cell.polygon.size(); ++k) {
+      const FieldPoint& f = exploration.samples[cell.polygon[k].sample];
       ++all;
       degenerate_samples += f.looks_degenerate();
       if (!(f.flux > 0.0)) continue;
       const double phi = f.inverse_irradiance();
       phi_min = std::min(phi_min, phi);
       phi_max = std::max(phi_max, phi);
+      // E = 0 where paths end, whatever rounding leaves of a = ∞.
+      if (ends_paths(cell, k)) {
+        share -= 1.0 / static_cast<double>(cell.polygon.size());
+        continue;
+      }
       flux_sum += f.flux;
       a_sum += std::abs(f.a);
     }
@@ -71,9 +83,10 @@ void FamilyField::measure() {
     if (domain.contains(center)) {
       flux_sum = center.flux;
       a_sum = std::abs(center.a);
+      share = 1.0;
     }
     const double area = visible * image_area(exploration, cell);
-    if (a_sum > 0.0 && area > 0.0) samples.push_back({flux_sum / a_sum, area});
+    if (a_sum > 0.0 && area > 0.0) samples.push_back({share * flux_sum / a_sum, area});
   }
   flux = std::max(through.value(), 0.0);
   degenerate = all > 0 && degenerate_samples >= kDegenerateSamples * all;
