@@ -9,6 +9,9 @@ namespace {
 // Quadratic convergence doubles the digits each time: from a tenth of the basin six steps reach
 // rounding; the rest is for starts far away.
 constexpr int kMaxSteps = 12;
+// Halvings of a step beyond the end of all paths: near it f ~ A u^(−1/2) − B at a distance u, and
+// Newton's step from u to 3u − 2u^(3/2)/u₀^(1/2), u₀ the root, leaves them where u > 9/4 u₀.
+constexpr int kMaxHalvings = 6;
 // Residuals below this many rounding errors of x are as small as they get.
 constexpr double kRoundings = 4.0;
 
@@ -36,7 +39,11 @@ std::optional<FieldPoint> correct(Evaluator& evaluate, const LevelFunction& f,
     if (i > 2 && residual >= 0.5 * previous && residual < 1e3 * floor + 1e-9) return at;
     previous = residual;
     if (!step.allFinite()) return std::nullopt;
-    at = evaluate.on_surface(at.x + step, at.hits.get());
+    FieldPoint next = evaluate.on_surface(at.x + step, at.hits.get());
+    for (int k = 1; !next.finite && k <= kMaxHalvings; ++k) {
+      next = evaluate.on_surface(at.x + std::ldexp(1.0, -k) * step, at.hits.get());
+    }
+    at = std::move(next);
   }
   return std::nullopt;
 }
