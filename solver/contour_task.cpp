@@ -40,16 +40,17 @@ struct Track {
       balls.push_back(ball);
     }
   }
-  // The vertex nearest to y.
-  std::size_t nearest(const Point& y) const {
-    std::size_t best = 0;
+  // Of the vertices where the track runs as `way` does, the one nearest to y; size() if there is
+  // none. A track next to it that turns back is another part of the curve, however near it is.
+  std::size_t nearest(const Point& y, const Vec3& way) const {
+    std::size_t best = x.size();
     double least2 = geometry::kInfinity, least = geometry::kInfinity;
     for (const Ball& ball : balls) {
       const double reach = least + ball.radius;
       if ((ball.center - y).squaredNorm() > reach * reach) continue;
       for (std::size_t i = ball.begin; i < ball.end; ++i) {
         const double d2 = (x[i] - y).squaredNorm();
-        if (d2 < least2) {
+        if (d2 < least2 && t[i].dot(way) >= 0.0) {
           least2 = d2;
           best = i;
         }
@@ -87,12 +88,14 @@ std::optional<Gap> gap_to_cubic(const Track& track, std::size_t i, std::size_t j
              bulge.norm() + 1e-3 * length * w * v};
 }
 
-// Is `same` true of x and a track next to it: of the nearest vertex, or one of the cubics that end
-// there?
+// Is `same` true of x and a track next to it that runs as `way` does: of the nearest vertex, or one
+// of the cubics that end there?
 template <class Same>
-bool on_a_track(const std::vector<Track>& tracks, const Point& x, const Same& same) {
+bool on_a_track(const std::vector<Track>& tracks, const Point& x, const Vec3& way,
+                const Same& same) {
   for (const Track& track : tracks) {
-    const std::size_t n = track.x.size(), nearest = track.nearest(x);
+    const std::size_t n = track.x.size(), nearest = track.nearest(x, way);
+    if (nearest == n) continue;
     const Point& vertex = track.x[nearest];
     if (same(Gap{vertex, track.t[nearest], (x - vertex).norm(), 0.0})) return true;
     for (const std::size_t begin : {(nearest + n - 1) % n, nearest}) {
@@ -109,14 +112,15 @@ bool on_a_track(const std::vector<Track>& tracks, const Point& x, const Same& sa
 // too; up to some sagittas the corrector tells, from the cubic's point next to the seed.
 bool visited(const std::vector<Track>& tracks, const FieldPoint& seed, double fuzz,
              Evaluator& evaluate, const LevelFunction& level) {
-  return on_a_track(tracks, seed.x, [&](const Gap& gap) {
+  const Vec3 t = level.tangent(seed);
+  return on_a_track(tracks, seed.x, t, [&](const Gap& gap) {
     if (gap.off > 4.0 * gap.sagitta + fuzz) return false;
     if (gap.off <= 0.05 * gap.sagitta + fuzz) return true;
     const auto on_curve =
         correct(evaluate, level, gap.foot, {1e-12, geometry::kInfinity, 2.0 * gap.off},
                 seed.hits.get());
     if (!on_curve) return false;
-    const Vec3 apart = on_curve->x - seed.x, t = level.tangent(seed);
+    const Vec3 apart = on_curve->x - seed.x;
     return (apart - t * t.dot(apart)).norm() <= 0.2 * gap.off + fuzz;
   });
 }
@@ -130,7 +134,7 @@ bool leads_to_track(const std::vector<Track>& tracks, const Seed& seed,
   const Vec3 step = -(level.value(seed.at) / slope.squaredNorm()) * slope;
   const double length = step.norm();
   if (!(length <= kNewtonShare * seed.reach)) return false;
-  return on_a_track(tracks, seed.at.x, [&](const Gap& gap) {
+  return on_a_track(tracks, seed.at.x, t, [&](const Gap& gap) {
     if (gap.sagitta == 0.0 || gap.t.dot(t) < kAlong) return false;
     const Vec3 apart = gap.foot - seed.at.x - step;
     return (apart - t * t.dot(apart)).norm() <= kNewtonError * length + 0.05 * gap.sagitta;
@@ -146,8 +150,11 @@ std::optional<FieldPoint> settle(const Seed& seed, Evaluator& evaluate, const Do
   const auto worst = domain.worst(*f);
   const double slack = 100.0 * evaluate.map().rounding(f->x);
   if (worst.value <= slack) return f;
-  // Found on the chord of a curved boundary: onto the boundary itself.
-  f = correct_at_end(evaluate, level, domain, worst.boundary, f->x, options, f->hits.get());
+  // Found on the chord of a curved boundary: onto the boundary itself, which the curve crosses
+  // within the slice that the chord cuts off.
+  CorrectorOptions within_slice = options;
+  within_slice.trust = 2.0 * seed.reach;
+  f = correct_at_end(evaluate, level, domain, worst.boundary, f->x, within_slice, f->hits.get());
   const double steep = f ? domain.gradient(worst.boundary, *f).norm() : 0.0;
   if (!f || domain.worst(*f).value > slack * (1.0 + steep)) return std::nullopt;
   return f;
