@@ -17,6 +17,9 @@ constexpr double kDarkCosine = 1e-9;
 // A seed is good enough for Newton's method when f is down to this share of its values at the ends.
 constexpr double kSeedShare = 0.1;
 constexpr double kFlatShare = 0.05;
+// A seed is on a boundary within this share of its cell; Newton's method gets there in some steps.
+constexpr double kBoundaryShare = 1e-3;
+constexpr int kBoundarySteps = 3;
 // A component of a gradient this small against its spread over a cell may be zero in it.
 constexpr double kCornerShare = 1e-3;
 
@@ -28,15 +31,16 @@ double phi(const FieldPoint& f) {
 class Seeder {
  public:
   Seeder(Evaluator& evaluate, Exploration& e, const std::vector<LevelFunction>& targets)
-      : evaluate_(evaluate), e_(e), targets_(targets) {}
+      : evaluate_(evaluate), domain_(evaluate.map()), e_(e), targets_(targets) {}
 
   // The edge between two corners of one chart, also where a level is crossed twice.
   void edge(const Cell& cell, const Corner& a, const Corner& b) {
     if (!fresh(a.sample, b.sample)) return;
     const auto turn = turning_point(a, b);
     if (!turn) return span(cell, a, b);
-    const double s = a.s + *turn * (b.s - a.s), t = a.t + *turn * (b.t - a.t);
-    const Corner c{s, t, add_sample(e_, evaluate_, cell.chart, s, t)};
+    const Corner c{a.s + *turn * (b.s - a.s), a.t + *turn * (b.t - a.t),
+                   static_cast<int>(e_.samples.size()), a.boundary};
+    e_.samples.push_back(place(cell, a, b, *turn));
     span(cell, a, c);
     span(cell, c, b);
   }
@@ -72,10 +76,27 @@ class Seeder {
   void span(const Cell& cell, const Corner& a, const Corner& b) {
     const double from = phi(e_.samples[a.sample]), to = phi(e_.samples[b.sample]);
     crossings(from, to, [&](int target) {
-      root(target, e_.samples[a.sample], e_.samples[b.sample], cell, [&](double w) {
-        return evaluate_(e_.charts[cell.chart].point(a.s + w * (b.s - a.s), a.t + w * (b.t - a.t)));
-      });
+      root(target, e_.samples[a.sample], e_.samples[b.sample], cell,
+           [&](double w) { return place(cell, a, b, w); });
     });
+  }
+
+  // Between two corners. Where the edge is a chord of the domain's boundary, on that: levels cross
+  // a boundary between two corners on it, but the chord perhaps outside. Not so on the silhouette,
+  // which no level crosses (S9).
+  FieldPoint place(const Cell& cell, const Corner& a, const Corner& b, double w) {
+    const double s = a.s + w * (b.s - a.s), t = a.t + w * (b.t - a.t);
+    FieldPoint at = evaluate_(e_.charts[cell.chart].point(s, t));
+    const bool on_boundary = a.boundary >= 0 && a.boundary != domain_.silhouette();
+    for (int k = 0; on_boundary && at.finite && k < kBoundarySteps; ++k) {
+      Vec3 slope = domain_.gradient(a.boundary, at);
+      slope -= at.n * at.n.dot(slope);
+      const Vec3 step = -(domain_.value(a.boundary, at) / slope.squaredNorm()) * slope;
+      const double length = step.norm();
+      if (!(length > kBoundaryShare * cell.radius && length < cell.radius)) break;
+      at = evaluate_.on_surface(at.x + step, at.hits.get());
+    }
+    return at;
   }
 
   // Where f changes sign between two samples along `path`, w in [0, 1].
@@ -126,6 +147,7 @@ class Seeder {
   }
 
   Evaluator& evaluate_;
+  const Domain domain_;
   Exploration& e_;
   const std::vector<LevelFunction>& targets_;
   std::unordered_set<std::uint64_t> seen_;

@@ -194,6 +194,37 @@ TEST(Refraction, TotalInternalReflectionIsNoChangeOfSign) {
   EXPECT_GE(closed.size(), 5u);
 }
 
+// Chen's vase with the lamp in the plane y = 0: all curves have a mirror image, and where levels
+// run along the window's edge none is lost.
+TEST(Families, VaseIsItsOwnMirrorImage) {
+  const auto vase = test::mirror(
+      geometry::make_revolution({0, 0, 0}, {0, 0, 1}, 2.0, {0.47, 3.90, -9.78, 5.80}).surface);
+  const auto system =
+      OpticalSystem::build(PointLight{{3, 0, 3}, 1.0}, {vase}, floor_at({0, 0, -0.5}, 10, 10));
+  ContourRequest request;
+  // The second touches the edge nearly.
+  request.levels.values = {7.84e-5, 1.2011786763719087e-4, 4.3e-4};
+  const auto result = trace_contours(system, request);
+  EXPECT_EQ(result.undecided_cells, 0u);
+  for (const auto& w : result.warnings) ADD_FAILURE() << w.code << ": " << w.detail;
+  const auto upper = [](const Curve& c, double sign) {
+    double most = -geometry::kInfinity;
+    for (const CurveVertex& v : c.vertices) most = std::max(most, sign * v.uv.y());
+    return most;
+  };
+  for (const Curve& c : result.curves) {
+    const auto images =
+        std::count_if(result.curves.begin(), result.curves.end(), [&](const Curve& o) {
+          return o.kind == c.kind && o.level == c.level && o.parity == c.parity &&
+                 std::abs(o.length - c.length) < 1e-3 * c.length + 1e-4 &&
+                 std::abs(upper(o, -1.0) - upper(c, 1.0)) < 1e-3 &&
+                 std::abs(upper(o, 1.0) - upper(c, -1.0)) < 1e-3;
+        });
+    EXPECT_EQ(images, 1) << to_string(c.kind) << " " << c.level << " " << c.length;
+  }
+  EXPECT_GT(result.curves.size(), 10u);
+}
+
 // Regions with one and with three paths from the light to the plane ([MH] Plate 4).
 TEST(Paths, OfTheCuboidAreOneOrThree) {
   const auto cuboid =
