@@ -7,6 +7,7 @@
 #include <deque>
 #include <map>
 #include <memory_resource>
+#include <optional>
 #include <unordered_map>
 
 #include "geometry/opening.h"
@@ -25,7 +26,8 @@ constexpr int kBaseOfMany = 4;
 // Finest levels, counted from the base, for each reason to refine.
 constexpr int kBoundaryDepth = 2;  // the domain's boundary passes, or something hides a part
 constexpr int kFieldDepth = 8;     // a, σ or q vary
-constexpr int kPoleDepth = 5;      // some rays leave the receiver's plane, or some paths end
+constexpr int kPathEndDepth = 5;   // some paths end
+constexpr int kPoleDepth = 8;      // some rays leave the receiver's plane
 constexpr int kMissDepth = 2;      // no sample has a path
 constexpr int kImageDepth = 24;    // the image is coarse against the window, or the light is near
 // The image of a cell inside the window: at most this share of the window's diagonal.
@@ -126,7 +128,9 @@ class Explorer {
   Corner crossing(int boundary, int chart, const Corner& a, const Corner& b);
   void clip_at(int boundary, int chart, std::vector<Corner>& polygon);
   std::vector<Corner> clip(int chart, std::vector<Corner> polygon);
-  double hidden_share(const View& view);
+  bool hides(int sample);
+  std::optional<double> hidden_share(const View& view);
+  double hidden_share(int chart, const std::vector<Corner>& polygon);
   bool near_source(const View& view) const;
   double coordinate(int i) const { return static_cast<double>(i) / (base_ * double(kFinest)); }
 
@@ -197,18 +201,33 @@ Explorer::View Explorer::look(const Square& c) {
   return view;
 }
 
-double Explorer::hidden_share(const View& view) {
+bool Explorer::hides(int sample) {
+  const auto [entry, fresh] = hidden_known_.try_emplace(sample, false);
+  if (fresh) entry->second = hidden_(result_.samples[sample]);
+  return entry->second;
+}
+
+// Of the samples inside the domain; none if there are none.
+std::optional<double> Explorer::hidden_share(const View& view) {
   if (!hidden_) return 0.0;
-  int hidden = 0;
-  for (const int k : view.samples) {
-    const auto [entry, fresh] = hidden_known_.try_emplace(k, false);
-    if (fresh) {
-      const FieldPoint& f = result_.samples[k];
-      entry->second = f.arrives() && f.lit() && hidden_(f);
-    }
-    hidden += entry->second;
+  double hidden = 0.0, all = 0.0;
+  for (int k = 0; k < 5; ++k) {
+    if (!domain_.contains(view(result_, k))) continue;
+    const double share = k < 4 ? 0.125 : 0.5;  // of the cell that is nearest to this sample
+    all += share;
+    hidden += hides(view.samples[k]) ? share : 0.0;
   }
-  return hidden / 5.0;
+  return all > 0.0 ? std::optional(hidden / all) : std::nullopt;
+}
+
+// Of a part between samples: what is in its middle.
+double Explorer::hidden_share(int chart, const std::vector<Corner>& polygon) {
+  if (!hidden_) return 0.0;
+  Vec2 middle = Vec2::Zero();
+  for (const Corner& corner : polygon) middle += Vec2(corner.s, corner.t);
+  middle /= static_cast<double>(polygon.size());
+  const int k = add_sample(result_, evaluate_, chart, middle.x(), middle.y());
+  return domain_.contains(result_.samples[k]) && hides(k) ? 1.0 : 0.0;
 }
 
 // a, σ and q at the corners against what the gradients there and in the middle predict, to third
@@ -260,7 +279,7 @@ Explorer::Verdict Explorer::judge(const Square& c, View& view) {
   int finite = 0;
   for (int k = 0; k < 5; ++k) finite += view(result_, k).finite;
   if (finite < 5) {
-    if (c.depth < (finite == 0 ? kMissDepth : kPoleDepth)) return Verdict::refine;
+    if (c.depth < (finite == 0 ? kMissDepth : kPathEndDepth)) return Verdict::refine;
     if (map_.paths_may_end() && finite > 0) return judge_at_path_ends(view);
     result_.unresolved += finite > 0;
     return Verdict::discard;
@@ -312,7 +331,7 @@ Explorer::Verdict Explorer::judge(const Square& c, View& view) {
   if (c.depth < std::min(kFieldDepth, deepest) && varies(view)) return Verdict::refine;
   if (c.depth < kBoundaryDepth && view.cut) return Verdict::refine;
   if (c.depth < kBoundaryDepth) {
-    const double hidden = hidden_share(view);
+    const double hidden = hidden_share(view).value_or(0.0);
     if (hidden > 0.0 && hidden < 1.0) return Verdict::refine;
   }
   return Verdict::keep;
@@ -470,8 +489,10 @@ void Explorer::keep(const Square& c, const View& view) {
   });
   if (!whole) polygon = clip(c.chart, std::move(polygon));
   if (polygon.empty()) return;
+  const auto share = hidden_share(view);
+  const double hidden = share ? *share : hidden_share(c.chart, polygon);
   result_.cells.push_back(
-      {c.chart, std::move(polygon), whole, view.samples[4], view.radius, hidden_share(view)});
+      {c.chart, std::move(polygon), whole, view.samples[4], view.radius, hidden});
 }
 
 int base_for(const std::vector<geometry::Chart>& charts) {

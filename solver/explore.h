@@ -28,7 +28,7 @@ struct Cell {
   bool whole;                   ///< not clipped: four corners
   int center;                   ///< sample in the middle of the unclipped cell
   double radius;                ///< about the centre, m
-  double hidden = 0.0;          ///< share of the samples that something hides
+  double hidden = 0.0;          ///< share of the samples in the domain that something hides
 };
 
 struct Exploration {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "solver/flux.h"
+#include "solver/gap_search.h"
 
 namespace caustic::solver {
 
@@ -40,6 +41,8 @@ void FamilyField::explore(Budget& budget) {
   }
   exploration = solver::explore(evaluate, domain, system_, hidden);
   measure();
+  seen = !samples.empty() ||
+         (visibility && shows_through_gap(evaluate, domain, exploration, *visibility, piece.hops));
   if (!degenerate && !uniform && !empty()) {
     critical = find_critical_points(evaluate, domain, exploration);
     for (const CriticalPoint& c : critical) {

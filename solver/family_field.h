@@ -31,8 +31,8 @@ struct FamilyField {
   double phi_min = 0.0, phi_max = 0.0;  ///< range of φ found, over lit and visible samples
   bool degenerate = false;  ///< a ≡ 0: all light goes through a point or a line of the receiver
   bool uniform = false;     ///< E is constant: no level curve
-  /// Nothing of it reaches the window.
-  bool empty() const { return samples.empty(); }
+  bool seen = false;        ///< some of it reaches the window, and not all of that is hidden
+  bool empty() const { return !seen; }
 
  private:
   const OpticalSystem& system_;
