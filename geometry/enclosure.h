@@ -22,6 +22,13 @@ struct SurfaceEnclosure {
   IntervalSym3 hessian;
 };
 
+/// A symmetric tensor of third order: xxx xxy xxz xyy xyz xzz yyy yyz yzz zzz.
+using IntervalSym333 = std::array<Interval, 10>;
+constexpr std::size_t packed_index(int i, int j, int k) {
+  const int beyond_x = (i > 0) + (j > 0) + (k > 0), z = (i == 2) + (j == 2) + (k == 2);
+  return static_cast<std::size_t>(beyond_x * (beyond_x + 1) / 2 + z);
+}
+
 inline IntervalVec3 intervals(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 inline IntervalVec3 intervals(const Box& box) {
   return {Interval(box.min.x(), box.max.x()), Interval(box.min.y(), box.max.y()),

@@ -25,8 +25,8 @@ template <class T>
 inline JetOf<T> operator*(double k, const JetOf<T>& a) {
   return {k * a.v, k * a.s, k * a.t, k * a.ss, k * a.st, k * a.tt};
 }
-template <class T>
-inline JetOf<T> operator*(const Jet& a, const JetOf<T>& b) {
+template <class K, class T>
+inline JetOf<T> operator*(const JetOf<K>& a, const JetOf<T>& b) {
   return {a.v * b.v,
           a.v * b.s + a.s * b.v,
           a.v * b.t + a.t * b.v,
@@ -35,9 +35,10 @@ inline JetOf<T> operator*(const Jet& a, const JetOf<T>& b) {
           a.v * b.tt + 2.0 * a.t * b.t + a.tt * b.v};
 }
 /// Quotient from a = r b: r_s = (a_s − r b_s)/b, r_ss = (a_ss − 2 r_s b_s − r b_ss)/b, …
-inline Jet operator/(const Jet& a, const Jet& b) {
-  const double inverse = 1.0 / b.v;
-  Jet r;
+template <class K>
+inline JetOf<K> operator/(const JetOf<K>& a, const JetOf<K>& b) {
+  const K inverse = 1.0 / b.v;
+  JetOf<K> r;
   r.v = a.v * inverse;
   r.s = (a.s - r.v * b.s) * inverse;
   r.t = (a.t - r.v * b.t) * inverse;
@@ -48,9 +49,11 @@ inline Jet operator/(const Jet& a, const Jet& b) {
 }
 
 /// Root of a jet with a positive value, from r² = a.
-inline Jet sqrt(const Jet& a) {
-  const double root = std::sqrt(a.v), half = 0.5 / root;
-  Jet r;
+template <class K>
+inline JetOf<K> sqrt(const JetOf<K>& a) {
+  using std::sqrt;
+  const K root = sqrt(a.v), half = 0.5 / root;
+  JetOf<K> r;
   r.v = root;
   r.s = half * a.s;
   r.t = half * a.t;

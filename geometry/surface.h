@@ -48,6 +48,12 @@ class Surface {
   }
   /// Ranges of g, ∇g and the Hessian over a box, up to the rounding of the surface's own constants.
   virtual SurfaceEnclosure enclose(const IntervalVec3& x) const = 0;
+  /// Ranges of the third derivative over a box, in the same sense.
+  virtual IntervalSym333 enclose_third(const IntervalVec3&) const {
+    IntervalSym333 ranges;
+    ranges.fill(at_most_quadratic() ? Interval(0.0) : Interval::whole());
+    return ranges;
+  }
   /// True for planes: light that leaves one does not meet it again.
   virtual bool flat() const { return false; }
   /// True if the third derivative vanishes identically.

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/graph_cover.h"
 #include "tests/support/reference.h"
 #include "tests/support/sampling.h"
 
@@ -140,6 +141,7 @@ TEST_P(EverySurface, EnclosuresHoldWhatTheyEnclose) {
     const double half = random_.log_uniform(1e-6, 1.0);
     const Point middle = on + random_.in_cube(2.0 * half);
     const SurfaceEnclosure e = surface_->enclose(box_about(middle, half));
+    const IntervalSym333 third = surface_->enclose_third(box_about(middle, half));
     for (int i = 0; i < 50; ++i) {
       const Point x = middle + random_.in_cube(half);
       // The Hessian of an asphere knows its surface's height: on it only is it the derivative.
@@ -155,7 +157,42 @@ TEST_P(EverySurface, EnclosuresHoldWhatTheyEnclose) {
         const auto [row, column] = kPackedIndices[k];
         EXPECT_TRUE(holds(e.hessian[k], d.hessian(row, column))) << row << column;
       }
+      for (int j = 0; j < 9; ++j) {
+        const int b = j / 3, c = j % 3;
+        const Vec3 T = surface_->third_derivative(x, Vec3::Unit(b), Vec3::Unit(c));
+        const double more = slack * (1.0 + T.norm());
+        for (int a = 0; a < 3; ++a) {
+          const Interval& range = third[packed_index(a, b, c)];
+          EXPECT_TRUE(Interval(range.lo - more, range.hi + more).contains(T[a])) << a << b << c;
+        }
+      }
     }
+  }
+}
+
+// (S70): every point that exists lies in a box, alone over its place as far as the chart reaches.
+TEST_P(EverySurface, GraphsCoverIt) {
+  const Box region = surface_->bounds().intersected(Box::around(center(), 3.0));
+  const auto own = surface_->own_bounds();
+  const GraphCover cover = cover_by_graphs(*surface_, own, region);
+  ASSERT_FALSE(cover.charts.empty());
+  const auto holds = [](const IntervalVec3& box, const Point& x) {
+    return box[0].contains(x[0]) && box[1].contains(x[1]) && box[2].contains(x[2]);
+  };
+  for (const Point& x : points(100)) {
+    if (!region.contains(x)) continue;
+    int charts = 0;
+    for (const GraphChart& chart : cover.charts) {
+      if (!holds(chart.own, x)) continue;
+      ++charts;
+      Point from = x;
+      from[chart.axis] = chart.reach.lo;
+      RayParameters hits;
+      surface_->crossings({from, Vec3::Unit(chart.axis)}, 0.0, chart.reach.width(), hits);
+      EXPECT_EQ(hits.size(), 1u) << x.transpose();
+    }
+    for (const Box& box : cover.undecided) charts += box.contains(x);
+    EXPECT_GE(charts, 1) << x.transpose();
   }
 }
 
