@@ -1,0 +1,263 @@
+#include "solver/enclosed_map.h"
+
+#include <algorithm>
+
+namespace caustic::solver {
+
+using geometry::constant_jet;
+using geometry::GraphChart;
+using geometry::IntervalJet;
+using geometry::IntervalVec3;
+using geometry::IntervalVecJet;
+
+namespace {
+
+// Rounds of interval Newton on the heights of a cell, and the share that is worth another.
+constexpr int kNarrowings = 6;
+constexpr double kWorthNarrowing = 0.7;
+
+Slopes first_order(const IntervalJet& a) { return {a.v, a.s, a.t}; }
+Slopes scaled(const Slopes& a, double k) { return {k * a.v, k * a.s, k * a.t}; }
+Slopes combined(const Slopes& a, const Slopes& b, double k) {
+  return {a.v + k * b.v, a.s + k * b.s, a.t + k * b.t};
+}
+Slopes product(const IntervalJet& a, const IntervalJet& b) {
+  return {a.v * b.v, a.v * b.s + a.s * b.v, a.v * b.t + a.t * b.v};
+}
+Slopes difference(const Slopes& a, const Slopes& b) { return combined(a, b, -1.0); }
+
+int sign_of(const Interval& a) { return a.lo > 0.0 ? 1 : a.hi < 0.0 ? -1 : 0; }
+
+Interval centred(const Slopes& over, const Interval& middle, const Interval& ds,
+                 const Interval& dt) {
+  const Interval mean = middle + over.s * ds + over.t * dt;
+  const Interval both = intersection(over.v, mean);
+  return both.empty() ? mean : both;  // rounding alone parts two enclosures of one value
+}
+
+}  // namespace
+
+// Natural interval extensions.
+struct EnclosedMap::Natural {
+  bool dark = false, regular = false;
+  Slopes a, flux;
+  std::vector<Slopes> bounds;
+};
+
+bool EnclosedMap::encloses(const ForwardMap& map) {
+  return map.hop_count() == 1 && map.mirror().optics.constant_share();
+}
+
+EnclosedMap::EnclosedMap(const ForwardMap& map)
+    : map_(map), shape_(map.shape()), optics_(map.mirror().optics) {
+  const auto* point = std::get_if<PointLight>(&map.system().light());
+  point_source_ = point != nullptr;
+  source_ = point ? point->position : std::get<CollimatedLight>(map.system().light()).direction;
+}
+
+bool EnclosedMap::narrow(const GraphChart& chart, GraphCell& cell) const {
+  const std::size_t i = chart.first(), j = chart.second(), k = chart.along();
+  IntervalVec3 box, middle;
+  box[i] = cell.s;
+  box[j] = cell.t;
+  middle[i] = cell.s.middle();
+  middle[j] = cell.t.middle();
+  for (int round = 0; round < kNarrowings; ++round) {
+    box[k] = cell.z;
+    middle[k] = cell.z.middle();
+    const auto over = shape_.enclose(box);
+    if (!over.g.contains_zero()) return false;
+    if (over.gradient[k].contains_zero()) break;
+    const Interval g = shape_.enclose(middle).g + over.gradient[i] * (cell.s - middle[i]) +
+                       over.gradient[j] * (cell.t - middle[j]);
+    const Interval next = middle[k] - g / over.gradient[k];
+    cell.whole |= next.lo > cell.z.lo && next.hi < cell.z.hi;
+    const Interval cut = intersection(cell.z, next);
+    if (cut.empty()) return false;
+    const bool worthwhile = cut.width() < kWorthNarrowing * cell.z.width();
+    cell.z = cut;
+    if (!worthwhile) break;
+  }
+  return !intersection(cell.z, chart.own[k]).empty();
+}
+
+// Bounds are functions of the place; an expression's slopes are not enclosed.
+Slopes EnclosedMap::bound(const geometry::Bound& b, const IntervalVecJet& x) const {
+  using Kind = geometry::Bound::Kind;
+  if (b.kind == Kind::expression) {
+    const geometry::Box box{{x[0].v.lo, x[1].v.lo, x[2].v.lo}, {x[0].v.hi, x[1].v.hi, x[2].v.hi}};
+    const Interval range(-geometry::kInfinity, b.largest_in(box));
+    const double radius = 0.5 * box.diagonal() * (1.0 + 1e-12);
+    return {Interval(b.lower_bound_within(box.center(), radius), range.hi), Interval::whole(),
+            Interval::whole()};
+  }
+  const IntervalVecJet y = x - b.point;
+  if (b.kind == Kind::half_space) return first_order(geometry::dot(b.axis, y));
+  IntervalJet square = geometry::squared_norm(y);
+  if (b.kind == Kind::cylinder) {
+    // |y|² − (a·y)² as the squares across the axis.
+    const geometry::Frame frame(b.axis);
+    square =
+        geometry::square(geometry::dot(frame.e1, y)) + geometry::square(geometry::dot(frame.e2, y));
+  }
+  const Interval radius(b.radius);
+  Slopes h = scaled(first_order(square), 0.5);
+  h = {h.v / radius - 0.5 * radius, h.s / radius, h.t / radius};
+  return h;
+}
+
+void EnclosedMap::natural(const GraphChart& chart, const GraphCell& cell, Natural& out) const {
+  const std::size_t i = chart.first(), j = chart.second(), k = chart.along();
+  IntervalVec3 box;
+  box[i] = cell.s;
+  box[j] = cell.t;
+  box[k] = cell.z;
+  const auto g = shape_.enclose(box);
+  const auto third = shape_.enclose_third(box);
+  const auto H = [&](std::size_t a, std::size_t b) -> const Interval& {
+    constexpr std::size_t kPacked[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+    return g.hessian[kPacked[a][b]];
+  };
+  const auto T = [&](std::size_t a, std::size_t b, std::size_t c) -> const Interval& {
+    return third[geometry::packed_index(static_cast<int>(a), static_cast<int>(b),
+                                        static_cast<int>(c))];
+  };
+
+  // (S71): the graph and ∇g along it.
+  const Interval z_s = -(g.gradient[i] / g.gradient[k]), z_t = -(g.gradient[j] / g.gradient[k]);
+  IntervalVec3 H_s, H_t;  // Hessian times x_s, x_t
+  for (std::size_t a = 0; a < 3; ++a) {
+    H_s[a] = H(a, i) + H(a, k) * z_s;
+    H_t[a] = H(a, j) + H(a, k) * z_t;
+  }
+  const Interval z_ss = -((H_s[i] + z_s * H_s[k]) / g.gradient[k]);
+  const Interval z_st = -((H_t[i] + z_s * H_t[k]) / g.gradient[k]);
+  const Interval z_tt = -((H_t[j] + z_t * H_t[k]) / g.gradient[k]);
+  IntervalVecJet x, N;
+  x[i] = {cell.s, 1.0, 0.0, 0.0, 0.0, 0.0};
+  x[j] = {cell.t, 0.0, 1.0, 0.0, 0.0, 0.0};
+  x[k] = {cell.z, z_s, z_t, z_ss, z_st, z_tt};
+  for (std::size_t a = 0; a < 3; ++a) {
+    const Interval T_ss = T(a, i, i) + 2.0 * z_s * T(a, i, k) + sqr(z_s) * T(a, k, k);
+    const Interval T_st = T(a, i, j) + z_t * T(a, i, k) + z_s * T(a, j, k) + z_s * z_t * T(a, k, k);
+    const Interval T_tt = T(a, j, j) + 2.0 * z_t * T(a, j, k) + sqr(z_t) * T(a, k, k);
+    N[a] = {g.gradient[a],        H_s[a], H_t[a], T_ss + H(a, k) * z_ss, T_st + H(a, k) * z_st,
+            T_tt + H(a, k) * z_tt};
+  }
+
+  // Incident light, and what falls on the surface (S71).
+  IntervalVecJet d;
+  if (point_source_) {
+    d = x - source_;
+  } else {
+    for (std::size_t a = 0; a < 3; ++a) d[a] = constant_jet(source_[static_cast<int>(a)]);
+  }
+  const double side = map_.side();
+  const IntervalJet NN = geometry::squared_norm(N);
+  const IntervalJet dN = point_source_ ? geometry::dot(d, N) : geometry::dot(source_, N);
+  const int upward = sign_of(g.gradient[k]);
+  IntervalJet across = double(upward) * N[k];
+  const IntervalJet dd = geometry::squared_norm(d);
+  if (point_source_) across = across * dd * sqrt(dd);
+  out.flux = scaled(first_order(dN / across), -side * map_.strength());
+
+  // The bounce (S3), (S24), in the receiver's axes, and the arrival (S4).
+  IntervalJet along_d = constant_jet(1.0), along_N;
+  bool total_reflection = false;
+  if (optics_.kind == Optics::Kind::mirror) {
+    along_N = -2.0 * (dN / NN);
+  } else {
+    const double eta = optics_.eta(map_.side());
+    const Interval loss = Interval(1.0) - sqr(Interval(eta));
+    const IntervalJet headroom =
+        constant_jet(loss) * (dd * NN) + (constant_jet(sqr(Interval(eta))) * geometry::square(dN));
+    out.dark = headroom.v.hi < 0.0;
+    total_reflection = !(headroom.v.lo > 0.0);
+    if (out.dark) return;
+    along_d = constant_jet(eta);
+    along_N = -1.0 * ((eta * dN + side * sqrt(headroom)) / NN);
+  }
+  const auto& receiver = map_.receiver();
+  const IntervalVecJet y = x - receiver.origin;
+  const auto direction_along = [&](const Vec3& axis) {
+    const IntervalJet own =
+        point_source_ ? along_d * geometry::dot(axis, d)
+                      : along_d * constant_jet(geometry::dot(axis, geometry::intervals(source_)));
+    return own + along_N * geometry::dot(axis, N);
+  };
+  const IntervalJet D_m = direction_along(receiver.m), y_m = geometry::dot(receiver.m, y);
+  const IntervalJet D[2] = {direction_along(receiver.u), direction_along(receiver.v)};
+  const IntervalJet at[2] = {geometry::dot(receiver.u, y), geometry::dot(receiver.v, y)};
+  const int facing = sign_of(D_m.v);
+
+  // (S74). P = (m·D) q is smooth also where q has a pole.
+  out.bounds.clear();
+  for (const auto& b : map_.mirror().bounds) out.bounds.push_back(bound(b, x));
+  for (const double end : {1.0, -1.0}) {
+    const Interval last = end > 0.0 ? chart.own[k].hi : -chart.own[k].lo;
+    out.bounds.push_back({end * x[k].v - last, end * z_s, end * z_t});
+  }
+  out.bounds.push_back(scaled(first_order(dN), side));
+  out.dark = false;
+  if (facing != 0) out.bounds.push_back(scaled(first_order(y_m), facing));
+  for (int c = 0; c < 2; ++c) {
+    const Slopes P = difference(product(at[c], D_m), product(y_m, D[c]));
+    const double half = receiver.half[c];
+    out.dark |= P.v.mignitude() > (half * abs(D_m.v)).hi;
+    if (facing == 0) continue;
+    for (const double end : {1.0, -1.0}) {
+      out.bounds.push_back(combined(scaled(P, end * facing), first_order(D_m), -facing * half));
+    }
+  }
+
+  out.regular = facing != 0 && upward != 0 && !total_reflection;
+  if (!out.regular) {
+    out.a = {Interval::whole(), Interval::whole(), Interval::whole()};
+    return;
+  }
+  const IntervalJet lambda = -1.0 * (y_m / D_m);
+  const IntervalJet q[2] = {at[0] + lambda * D[0], at[1] + lambda * D[1]};
+  const auto det = [](const Interval& a0, const Interval& a1, const Interval& b0,
+                      const Interval& b1) { return a0 * b1 - a1 * b0; };
+  const Slopes a{det(q[0].s, q[1].s, q[0].t, q[1].t),
+                 det(q[0].ss, q[1].ss, q[0].t, q[1].t) + det(q[0].s, q[1].s, q[0].st, q[1].st),
+                 det(q[0].st, q[1].st, q[0].t, q[1].t) + det(q[0].s, q[1].s, q[0].tt, q[1].tt)};
+  out.a = scaled(a, side * upward);
+}
+
+void EnclosedMap::enclose(const GraphChart& chart, const GraphCell& cell, EnclosedField& f) const {
+  thread_local Natural over, middle;
+  natural(chart, cell, over);
+  f.dark = over.dark;
+  f.regular = over.regular;
+  f.a = over.a;
+  f.flux = over.flux;
+  f.bounds = over.bounds;
+  f.a_middle = f.a.v;
+  f.flux_middle = f.flux.v;
+  f.ds = f.dt = Interval(0.0);
+  // Mean values are taken along the graph, so there has to be one all over the cell.
+  if (f.dark || !f.regular || !cell.whole) return;
+  GraphCell point{cell.s.middle(), cell.t.middle(), cell.z, true};
+  if (cell.s.width() == 0.0 && cell.t.width() == 0.0) return;
+  narrow(chart, point);
+  natural(chart, point, middle);
+  if (middle.dark || !middle.regular) return;
+  f.ds = cell.s - point.s;
+  f.dt = cell.t - point.t;
+  f.a_middle = middle.a.v;
+  f.flux_middle = middle.flux.v;
+  f.a.v = centred(f.a, middle.a.v, f.ds, f.dt);
+  f.flux.v = centred(f.flux, middle.flux.v, f.ds, f.dt);
+  for (std::size_t b = 0; b < f.bounds.size(); ++b) {
+    f.bounds[b].v = centred(f.bounds[b], middle.bounds[b].v, f.ds, f.dt);
+  }
+}
+
+Slopes EnclosedField::level(double k) const {
+  Slopes F = combined(a, flux, -k);
+  F.v = centred(F, a_middle - k * flux_middle, ds, dt);
+  return F;
+}
+
+}  // namespace caustic::solver
