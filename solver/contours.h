@@ -50,7 +50,10 @@ struct ContourRequest {
   double chord_tolerance = 0.0;        ///< m on the receiver; 0 means 1e-4 × its larger side
   double time_limit = 5.0;             ///< s
   std::size_t vertex_limit = 500000;
-  int threads = 1;  ///< the result does not depend on it
+  /// Prove that no component is missed, or name the cells in which one could be (S70)–(S76).
+  bool certify = false;
+  std::size_t cell_limit = 200000;  ///< of the proof, for each family and side
+  int threads = 1;                  ///< the result does not depend on it
 
   /// Called now and then with the share done, 0…1, from the calling thread's pool.
   std::function<void(double)> progress;
@@ -125,6 +128,13 @@ struct Warning {
   std::string code, detail;
 };
 
+/// A cell of the first surface of which it could not be proven what curves are in it.
+struct Undecided {
+  int family_id;
+  std::vector<double> levels;    ///< W/m²; −1 for the caustic
+  std::array<Point, 4> corners;  ///< on the surface, in order around the cell
+};
+
 struct ContourResult {
   bool complete = true;  ///< false if a limit cut the work short
   std::vector<FamilyReport> families;
@@ -133,11 +143,14 @@ struct ContourResult {
   std::vector<Curve> curves;  ///< by kind, level, family, then smallest (u, v)
   bool certified = false;
   std::size_t undecided_cells = 0;
+  std::vector<Undecided> undecided;   ///< of the proof, if one was asked for
+  std::vector<std::string> unproven;  ///< what else was not proven
   std::vector<Skipped> skipped;
   std::uint64_t evaluations = 0;
   double seconds = 0.0;
   std::vector<Warning> warnings;
-  std::optional<std::string> unsupported;  ///< what of the request this version lacks; no curves then
+  std::optional<std::string>
+      unsupported;  ///< what of the request this version lacks; no curves then
 };
 
 /// Every numerical outcome is a value: degenerate scenes answer with warnings, limits with

@@ -6,6 +6,7 @@
 #include <sstream>
 #include <thread>
 
+#include "solver/certify_contours.h"
 #include "solver/contour_task.h"
 #include "solver/itineraries.h"
 #include "solver/total_contours.h"
@@ -77,6 +78,7 @@ class Run {
            "a limit of time or vertices cut the work short; curves are missing or end at "
            "\"limit\"");
     }
+    conclude();
     result_.evaluations = budget_.evaluations();
     result_.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -94,7 +96,9 @@ class Run {
   std::vector<LevelFunction> targets_for(const FamilyField& field,
                                          std::vector<double>& irradiances);
   std::vector<ContourTask> make_tasks();
+  void certify(const FamilyField& field, std::vector<ContourTask>& tasks);
   void collect(std::vector<ContourTask>& tasks);
+  void conclude();
   std::vector<const FamilyField*> fields_of_total() const;
   void add_total();
   void warn(const std::string& code, const std::string& detail) {
@@ -103,6 +107,7 @@ class Run {
     }
     result_.warnings.push_back({code, detail});
   }
+  void leave_unproven(const std::string& what) { result_.unproven.push_back(what); }
   void skip(const std::string& stage, const std::string& reason) {
     result_.skipped.push_back({stage, reason});
   }
@@ -144,7 +149,8 @@ void Run::explore() {
     discarded += field.exploration.discarded;
     kept += field.exploration.cells.size();
     result_.families[piece.family].flux += field.flux;
-    result_.undecided_cells += field.exploration.unresolved;
+    // What exploration gave up the proof decides, or gives up itself.
+    if (!request_.certify) result_.undecided_cells += field.exploration.unresolved;
     judge(field);
   }
   drop_faint_families();
@@ -246,17 +252,21 @@ std::vector<LevelFunction> Run::targets_for(const FamilyField& field,
 std::vector<ContourTask> Run::make_tasks() {
   std::vector<ContourTask> tasks;
   for (const auto& field : fields_) {
-    if (field->degenerate || field->uniform || field->empty()) continue;
+    const bool curves_seen = !field->degenerate && !field->uniform && !field->empty();
+    if (!curves_seen && !request_.certify) continue;
     std::vector<double> irradiances;
     const auto targets = targets_for(*field, irradiances);
     std::vector<ContourTask> own;
     for (std::size_t i = 0; i < targets.size(); ++i) {
       own.push_back({field.get(), targets[i], irradiances[i], {}, true, {}, 0});
     }
-    Evaluator evaluate(field->map, budget_);
-    for (Seed& seed : find_seeds(evaluate, field->exploration, field->critical, targets)) {
-      own[seed.target].seeds.push_back(std::move(seed));
+    if (curves_seen) {
+      Evaluator evaluate(field->map, budget_);
+      for (Seed& seed : find_seeds(evaluate, field->exploration, field->critical, targets)) {
+        own[seed.target].seeds.push_back(std::move(seed));
+      }
     }
+    if (request_.certify) certify(*field, own);
     std::copy_if(std::make_move_iterator(own.begin()), std::make_move_iterator(own.end()),
                  std::back_inserter(tasks),
                  [](const ContourTask& task) { return !task.seeds.empty(); });
@@ -266,6 +276,48 @@ std::vector<ContourTask> Run::make_tasks() {
          std::to_string(empty_levels_) + " levels lie outside the range of a family's irradiance");
   }
   return tasks;
+}
+
+// Seeds on every component of the tasks' levels, after those that exploration has found: curves
+// that have been traced from these are not traced again.
+void Run::certify(const FamilyField& field, std::vector<ContourTask>& tasks) {
+  const std::string family = "the family by way of " + name_of(field.piece.family);
+  if (field.degenerate) return leave_unproven(family + ": it is degenerate");
+  if (!EnclosedMap::encloses(field.map)) {
+    return leave_unproven(family +
+                          ": enclosures know families of one hop without Fresnel's losses");
+  }
+  std::vector<LevelFunction> targets;
+  for (const ContourTask& task : tasks) targets.push_back(task.level);
+  Evaluator evaluate(field.map, budget_);
+  auto certificate = certify_contours(evaluate, field.domain, targets, {request_.cell_limit});
+  for (Seed& seed : certificate.seeds) tasks[seed.target].seeds.push_back(std::move(seed));
+  result_.undecided_cells += certificate.undecided.size();
+  for (const UndecidedCell& cell : certificate.undecided) {
+    Undecided undecided{field.piece.family, {}, cell.corners};
+    for (const int target : cell.targets) undecided.levels.push_back(tasks[target].irradiance);
+    result_.undecided.push_back(std::move(undecided));
+  }
+  if (certificate.exhausted && !budget_.exhausted()) {
+    result_.complete = false;
+    warn("limit", "the limit of cells cut the proof of " + family + " short");
+  }
+}
+
+// What the answer may claim.
+void Run::conclude() {
+  if (!request_.certify) {
+    return leave_unproven(
+        "closed curves so small that neither the subdivision's edges nor critical points show them "
+        "may be missing; \"certify\": true finds them, or names the cells in which they may be");
+  }
+  if (request_.measure == Measure::total) {
+    leave_unproven("closed arcs of the total that meet no boundary");
+  }
+  const bool stalled = std::any_of(result_.warnings.begin(), result_.warnings.end(),
+                                   [](const Warning& w) { return w.code == "stalled"; });
+  if (stalled) leave_unproven("curves that could not be followed to their ends");
+  result_.certified = result_.complete && result_.undecided_cells == 0 && result_.unproven.empty();
 }
 
 void Run::collect(std::vector<ContourTask>& tasks) {

@@ -1,0 +1,268 @@
+#include "solver/certify_contours.h"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <numeric>
+
+#include "geometry/root_finding.h"
+
+namespace caustic::solver {
+
+using geometry::GraphChart;
+
+namespace {
+
+// An edge along which a level function may have several roots is halved so often.
+constexpr int kEdgeHalvings = 24;
+// A root on an edge is located to this share of the values at the ends of its bracket.
+constexpr double kEdgeRoot = 1e-10;
+// Seeds up to so many roundings outside the domain lie on its boundary.
+constexpr double kOnBoundary = 1e3;
+
+int sign_of(const Interval& a) { return a.lo > 0.0 ? 1 : a.hi < 0.0 ? -1 : 0; }
+
+class Certifier {
+ public:
+  Certifier(Evaluator& evaluate, const Domain& domain, const std::vector<LevelFunction>& targets,
+            const ContourCertificateOptions& options)
+      : evaluate_(evaluate),
+        domain_(domain),
+        targets_(targets),
+        options_(options),
+        map_(evaluate.map()),
+        smallest_(options.smallest * evaluate.map().system().diameter()) {}
+
+  ContourCertificate run();
+
+ private:
+  struct Square {
+    int chart;
+    GraphCell cell;
+    std::vector<int> open;  // targets not settled there
+  };
+
+  void treat(Square square);
+  void divide(const Square& square);
+  void give_up(const Square& square);
+  bool nothing_there(const GraphChart& chart, GraphCell& cell);
+  bool settled(const Slopes& F) const;
+  std::vector<int> find_edge_roots(const GraphChart& chart, const GraphCell& cell,
+                                   const std::vector<int>& targets);
+  bool search(const GraphChart& chart, GraphCell edge, int target, int halvings);
+  int sign_at(const GraphChart& chart, const GraphCell& edge, bool end, int target);
+  void add_seed(const GraphChart& chart, const GraphCell& edge, int target);
+  Point point(const GraphChart& chart, const GraphCell& cell, double s, double t) const;
+
+  Evaluator& evaluate_;
+  const Domain& domain_;
+  const std::vector<LevelFunction>& targets_;
+  const ContourCertificateOptions& options_;
+  EnclosedMap map_;
+  double smallest_;
+  std::vector<GraphChart> charts_;
+  std::deque<Square> queue_;
+  EnclosedField field_, on_edge_;
+  double reach_ = 0.0;
+  ContourCertificate result_;
+};
+
+// The point of the graph over (s, t), to rounding.
+Point Certifier::point(const GraphChart& chart, const GraphCell& cell, double s, double t) const {
+  Point x;
+  x[chart.first()] = s;
+  x[chart.second()] = t;
+  x[chart.along()] = cell.z.middle();
+  Vec3 gradient;
+  for (int i = 0; i < 8; ++i) {
+    const double g = map_.map().shape().value_gradient(x, gradient);
+    const double step = g / gradient[chart.along()];
+    if (!std::isfinite(step)) break;
+    x[chart.along()] -= step;
+    if (std::abs(step) <= map_.map().rounding(x)) break;
+  }
+  return x;
+}
+
+// True if no light comes from the cell or none of it is inside of the domain and the chart.
+bool Certifier::nothing_there(const GraphChart& chart, GraphCell& cell) {
+  if (!map_.narrow(chart, cell)) return true;
+  map_.enclose(chart, cell, field_);
+  return field_.dark || std::any_of(field_.bounds.begin(), field_.bounds.end(),
+                                    [](const Slopes& h) { return h.v.lo > 0.0; });
+}
+
+// (S73), (S74): F = 0 is a graph over one of the coordinates, and along it all the boundaries that
+// pass through the cell fall or all of them rise.
+bool Certifier::settled(const Slopes& F) const {
+  if (F.s.contains_zero() && F.t.contains_zero()) return false;
+  int way = 0;
+  for (const Slopes& h : field_.bounds) {
+    if (h.v.hi < 0.0) continue;
+    const int sign = sign_of(F.s * h.t - F.t * h.s);
+    if (sign == 0 || sign == -way) return false;
+    way = sign;
+  }
+  return true;
+}
+
+int Certifier::sign_at(const GraphChart& chart, const GraphCell& edge, bool end, int target) {
+  GraphCell corner{end ? edge.s.hi : edge.s.lo, end ? edge.t.hi : edge.t.lo, edge.z, true};
+  map_.narrow(chart, corner);
+  map_.enclose(chart, corner, on_edge_);
+  return sign_of(on_edge_.level(targets_[target].k).v);
+}
+
+// (S75): all roots of one target on an edge, which is an interval in one coordinate and a number in
+// the other. False if there may be more than was found.
+bool Certifier::search(const GraphChart& chart, GraphCell edge, int target, int halvings) {
+  if (!map_.narrow(chart, edge)) return true;
+  map_.enclose(chart, edge, on_edge_);
+  if (on_edge_.dark || !on_edge_.regular) return on_edge_.dark;
+  for (const Slopes& h : on_edge_.bounds) {
+    if (h.v.lo > 0.0) return true;
+  }
+  const Slopes F = on_edge_.level(targets_[target].k);
+  if (!F.v.contains_zero()) return true;
+  const bool upright = edge.s.width() == 0.0;
+  if (!(upright ? F.t : F.s).contains_zero()) {
+    const int from = sign_at(chart, edge, false, target), to = sign_at(chart, edge, true, target);
+    if (from * to <= 0) add_seed(chart, edge, target);
+    return true;
+  }
+  if (halvings == 0) return false;
+  GraphCell low = edge, high = edge;
+  Interval &first = upright ? low.t : low.s, &second = upright ? high.t : high.s;
+  first.hi = second.lo = first.middle();
+  const bool below = search(chart, low, target, halvings - 1);
+  return search(chart, high, target, halvings - 1) && below;
+}
+
+// The root on an edge along which F is monotone and changes its sign, or touches zero.
+void Certifier::add_seed(const GraphChart& chart, const GraphCell& edge, int target) {
+  const LevelFunction& level = targets_[target];
+  FieldPoint at;
+  const auto value = [&](double w) {
+    at = evaluate_(
+        point(chart, edge, edge.s.lo + w * edge.s.width(), edge.t.lo + w * edge.t.width()));
+    return at.finite ? level.value(at) : 0.0;
+  };
+  const double from = value(0.0);
+  const FieldPoint first = at;
+  const double to = value(1.0), small = kEdgeRoot * std::max(std::abs(from), std::abs(to));
+  if (from * to < 0.0) {
+    geometry::illinois_root(
+        value, [&](double, double v) { return std::abs(v) <= small; }, 0.0, 1.0, from, to);
+  } else if (std::abs(from) < std::abs(to)) {
+    at = first;
+  }
+  const double slack = kOnBoundary * map_.map().rounding(at.x);
+  if (!at.arrives() || domain_.worst(at).value > slack) return;
+  result_.seeds.push_back({target, at, reach_});
+}
+
+// Roots on the lower edges, and on the upper ones where no other cell of the chart has them as its
+// lower ones. Returns the targets of which not all were found.
+std::vector<int> Certifier::find_edge_roots(const GraphChart& chart, const GraphCell& cell,
+                                            const std::vector<int>& targets) {
+  reach_ = std::hypot(cell.s.width(), cell.t.width());
+  std::vector<GraphCell> edges(2, cell);
+  edges[0].s = cell.s.lo;
+  edges[1].t = cell.t.lo;
+  if (cell.s.hi == chart.own[chart.first()].hi) {
+    edges.push_back(cell);
+    edges.back().s = cell.s.hi;
+  }
+  if (cell.t.hi == chart.own[chart.second()].hi) {
+    edges.push_back(cell);
+    edges.back().t = cell.t.hi;
+  }
+  std::vector<int> left;
+  for (const int target : targets) {
+    bool all = true;
+    for (const GraphCell& edge : edges) all &= search(chart, edge, target, kEdgeHalvings);
+    if (!all) left.push_back(target);
+  }
+  return left;
+}
+
+void Certifier::treat(Square square) {
+  const GraphChart& chart = charts_[square.chart];
+  if (nothing_there(chart, square.cell)) return;
+  if (square.cell.whole && field_.regular) {
+    std::vector<int> done;
+    std::erase_if(square.open, [&](int target) {
+      const Slopes F = field_.level(targets_[target].k);
+      if (!F.v.contains_zero()) return true;
+      if (!settled(F)) return false;
+      done.push_back(target);
+      return true;
+    });
+    const auto left = find_edge_roots(chart, square.cell, done);
+    square.open.insert(square.open.end(), left.begin(), left.end());
+    if (square.open.empty()) return;
+  }
+  if (std::max(square.cell.s.width(), square.cell.t.width()) <= smallest_) return give_up(square);
+  divide(square);
+}
+
+void Certifier::divide(const Square& square) {
+  Square low = square, high = square;
+  const GraphCell& cell = square.cell;
+  if (cell.s.width() >= cell.t.width()) {
+    low.cell.s.hi = high.cell.s.lo = cell.s.middle();
+  } else {
+    low.cell.t.hi = high.cell.t.lo = cell.t.middle();
+  }
+  queue_.push_back(std::move(low));
+  queue_.push_back(std::move(high));
+}
+
+void Certifier::give_up(const Square& square) {
+  const GraphChart& chart = charts_[square.chart];
+  const GraphCell& cell = square.cell;
+  UndecidedCell undecided{
+      {point(chart, cell, cell.s.lo, cell.t.lo), point(chart, cell, cell.s.hi, cell.t.lo),
+       point(chart, cell, cell.s.hi, cell.t.hi), point(chart, cell, cell.s.lo, cell.t.hi)},
+      square.open};
+  result_.undecided.push_back(std::move(undecided));
+}
+
+ContourCertificate Certifier::run() {
+  const auto& mirror = map_.map().mirror();
+  auto cover = geometry::cover_by_graphs(*mirror.shape, mirror.bounds, mirror.region);
+  charts_ = std::move(cover.charts);
+  std::vector<int> all(targets_.size());
+  std::iota(all.begin(), all.end(), 0);
+  for (const geometry::Box& box : cover.undecided) {
+    result_.undecided.push_back({{box.min, box.min, box.max, box.max}, all});
+  }
+  for (int i = 0; i < static_cast<int>(charts_.size()); ++i) {
+    const GraphChart& chart = charts_[i];
+    queue_.push_back(
+        {i, {chart.own[chart.first()], chart.own[chart.second()], chart.reach, false}, all});
+  }
+  while (!queue_.empty()) {
+    if (result_.cells >= options_.max_cells ||
+        (result_.cells % kBetweenChecks == 0 && evaluate_.budget().exhausted())) {
+      result_.exhausted = true;
+      for (const Square& square : queue_) give_up(square);
+      break;
+    }
+    Square next = std::move(queue_.front());
+    queue_.pop_front();
+    ++result_.cells;
+    treat(std::move(next));
+  }
+  return std::move(result_);
+}
+
+}  // namespace
+
+ContourCertificate certify_contours(Evaluator& evaluate, const Domain& domain,
+                                    const std::vector<LevelFunction>& targets,
+                                    const ContourCertificateOptions& options) {
+  return Certifier(evaluate, domain, targets, options).run();
+}
+
+}  // namespace caustic::solver
