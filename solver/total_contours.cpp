@@ -100,7 +100,7 @@ void TotalTracer::take(Curve curve, std::vector<Drawn>& drawn) {
   }
   if (curve.closed) length += (vertices.front().uv - vertices.back().uv).norm();
   curve.length = length;
-  grid_.add(line, curve.closed);
+  grid_.add(line, curve.closed, chord_);
   const std::size_t n = line.size();
   RingArc arc{line.front(), line.back(), (line[1] - line[0]).normalized(),
               (line[n - 1] - line[n - 2]).normalized(), curve.closed};

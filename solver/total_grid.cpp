@@ -35,13 +35,33 @@ Vec2 TotalGrid::place(int i, int j) const {
 void TotalGrid::begin(double level) {
   level_ = level;
   right_.assign(nodes_.size(), 0);
-  above_ = given_up_right_ = given_up_above_ = right_;
+  above_ = given_up_right_ = given_up_above_ = unsure_ = right_;
 }
 
-void TotalGrid::add(const std::vector<Vec2>& polyline, bool closed) {
+void TotalGrid::doubt_nodes_near(const Vec2& a, const Vec2& b, double distance) {
+  const Vec2 origin = place(0, 0), step = place(1, 1) - origin, margin = Vec2::Constant(distance);
+  const Vec2 lo = (a.cwiseMin(b) - margin - origin).cwiseQuotient(step),
+             hi = (a.cwiseMax(b) + margin - origin).cwiseQuotient(step);
+  const auto clamped = [&](double c) {
+    return static_cast<int>(std::clamp(c, -1.0, count_ + 1.0));
+  };
+  const Vec2 along = b - a;
+  for (int j = std::max(0, clamped(std::ceil(lo.y()))); j <= std::min(count_, clamped(hi.y()));
+       ++j) {
+    for (int i = std::max(0, clamped(std::ceil(lo.x()))); i <= std::min(count_, clamped(hi.x()));
+         ++i) {
+      const Vec2 to = place(i, j) - a;
+      const double w = std::clamp(along.dot(to) / along.squaredNorm(), 0.0, 1.0);
+      if ((to - w * along).norm() <= distance) unsure_[index(i, j)] = 1;
+    }
+  }
+}
+
+void TotalGrid::add(const std::vector<Vec2>& polyline, bool closed, double chord) {
   const Vec2 origin = place(0, 0), step = place(1, 1) - origin;
   const std::size_t n = polyline.size();
   for (std::size_t k = 0; k < (closed ? n : n - 1); ++k) {
+    doubt_nodes_near(polyline[k], polyline[(k + 1) % n], chord);
     const Vec2 a = (polyline[k] - origin).cwiseQuotient(step);
     const Vec2 b = (polyline[(k + 1) % n] - origin).cwiseQuotient(step);
     for (const int axis : {0, 1}) {
@@ -70,6 +90,7 @@ std::optional<TotalGrid::Place> TotalGrid::missing() {
       const auto look = [&](int di, int dj, const std::vector<char>& parity,
                             std::vector<char>& given_up) -> std::optional<Place> {
         if (i + di > count_ || j + dj > count_ || given_up[index(i, j)]) return std::nullopt;
+        if (unsure_[index(i, j)] || unsure_[index(i + di, j + dj)]) return std::nullopt;
         const Node& b = nodes_[index(i + di, j + dj)];
         const bool differ = (a.total >= level_) != (b.total >= level_);
         if (differ == (parity[index(i, j)] != 0)) return std::nullopt;

@@ -17,8 +17,8 @@ class TotalGrid {
 
   /// Begins a new level: nothing has been traced.
   void begin(double level);
-  /// An arc or a jump of this level.
-  void add(const std::vector<Vec2>& polyline, bool closed);
+  /// An arc or a jump of this level, and how far it may be from its polyline.
+  void add(const std::vector<Vec2>& polyline, bool closed, double chord);
 
   struct Place {
     Vec2 q;
@@ -36,6 +36,7 @@ class TotalGrid {
   };
   std::size_t index(int i, int j) const { return static_cast<std::size_t>(j * (count_ + 1) + i); }
   Vec2 place(int i, int j) const;
+  void doubt_nodes_near(const Vec2& a, const Vec2& b, double distance);
   std::optional<Place> level_between(const Node& a, const Vec2& qa, const Node& b, const Vec2& qb);
 
   SheetCarrier& carrier_;
@@ -45,6 +46,8 @@ class TotalGrid {
   double level_ = 0.0;
   // Parity of crossings of the edges to the right of a node, and of those above it.
   std::vector<char> right_, above_;
+  std::vector<char>
+      unsure_;  // nodes so near to an arc that its polyline may pass on the other side
   std::vector<char> given_up_right_, given_up_above_;
   std::size_t undecided_ = 0;
 };

@@ -192,6 +192,21 @@ TEST(TotalContours, OfOneSheetAreTheSheets) {
   EXPECT_EQ(rings, 1);
 }
 
+// A coarse polyline may pass points of the grid on the wrong side; its arc is not traced again.
+TEST(TotalContours, DrawnCoarselyAreDrawnOnce) {
+  const auto system = ball_under_ceiling();
+  for (const double chord : {1e-3, 1e-2, 0.1}) {
+    std::vector<double> levels;
+    for (int i = 0; i < 10; ++i) levels.push_back(3e-4 + 2e-5 * i);
+    const auto total = total_of(system, levels, chord);
+    EXPECT_EQ(total.undecided_cells, 0u) << chord;
+    for (const double level : levels) {
+      int rings = 0;
+      EXPECT_EQ(rings_of(total, level, rings).size(), 1u) << chord << ' ' << level;
+    }
+  }
+}
+
 TEST(TotalContours, OfTheNephroidRing) {
   const auto system = nephroid_ring();
   const auto result = total_of(system, {1.0, 2.0, 4.0}, 1.2e-4);
