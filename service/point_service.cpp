@@ -2,6 +2,7 @@
 
 #include <chrono>
 
+#include "service/api/analysis_json.h"
 #include "service/api/irradiance_json.h"
 #include "service/api/path_json.h"
 #include "service/api/problem.h"
@@ -11,6 +12,7 @@ namespace {
 
 // A call is one answer; what takes longer has to be asked in parts.
 constexpr auto kLongest = std::chrono::seconds(60);
+constexpr std::size_t kMostVertices = 10'000'000;
 
 void throw_if_stopping(const std::atomic<bool>* stopping) {
   if (stopping && *stopping) throw ProblemError(make_problem(503, "the service is stopping"));
@@ -37,6 +39,18 @@ std::string answer_irradiance(std::string_view body, const std::atomic<bool>* st
     readings.push_back(meter.at(q));
   }
   return irradiance_answer(call, readings);
+}
+
+std::string answer_analysis(std::string_view body, const std::atomic<bool>* stopping) {
+  AnalysisCall call = read_analysis_call(body);
+  call.request.time_limit = std::chrono::duration<double>(kLongest).count();
+  call.request.vertex_limit = kMostVertices;
+  call.request.cancelled = stopping;
+  const solver::Analysis analysis = solver::analyse(call.system, call.request);
+  throw_if_stopping(stopping);
+  if (!analysis.complete)
+    throw ProblemError(make_problem(503, "more than a minute of work: ask for fewer levels"));
+  return analysis_answer(call, analysis);
 }
 
 }  // namespace caustic::service

@@ -1,5 +1,5 @@
-// The calls that ask about points, from body to answer: paths between two of them, light at some.
-// Nothing is stored. Knows neither HTTP nor the command line.
+// The calls that are answered by numbers, from body to answer: paths between two points, light at
+// some, light on all of the receiver. Nothing is stored. Knows neither HTTP nor the command line.
 #pragma once
 
 #include <atomic>
@@ -8,8 +8,9 @@
 
 namespace caustic::service {
 
-/// Both throw ProblemError for a bad request, and 503 when `stopping` becomes true.
+/// All throw ProblemError for a bad request, and 503 when `stopping` becomes true.
 std::string answer_paths(std::string_view body, const std::atomic<bool>* stopping = nullptr);
 std::string answer_irradiance(std::string_view body, const std::atomic<bool>* stopping = nullptr);
+std::string answer_analysis(std::string_view body, const std::atomic<bool>* stopping = nullptr);
 
 }  // namespace caustic::service

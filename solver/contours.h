@@ -35,6 +35,8 @@ struct LevelRequest {
 /// Each sheet of each family by itself, or what a meter reads: their sum.
 enum class Measure : std::uint8_t { sheet, total };
 
+class TotalObserver;  // total_contours.h
+
 struct ContourRequest {
   /// Families by surface index, each at most kMaxHops long; empty means those of at most
   /// `max_bounces` that occur, and of these only what brings at least `min_flux_share` of all flux
@@ -58,6 +60,8 @@ struct ContourRequest {
   /// Called now and then with the share done, 0…1, from the calling thread's pool.
   std::function<void(double)> progress;
   const std::atomic<bool>* cancelled = nullptr;
+  /// Looks on while a total is traced; may be null.
+  TotalObserver* observer = nullptr;
   /// Stages to run although the plan would skip them (see `Skipped::stage`); for measuring.
   std::set<std::string> no_skip;
 };

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "solver/rings.h"
-#include "solver/total_arcs.h"
 #include "solver/total_grid.h"
 
 namespace caustic::solver {
@@ -25,9 +24,10 @@ struct Drawn {
 class TotalTracer {
  public:
   TotalTracer(const OpticalSystem& system, const std::vector<const FamilyField*>& fields,
-              double chord, double residual, Budget& budget)
+              double chord, double residual, Budget& budget, TotalObserver* observer)
       : system_(system),
         budget_(budget),
+        observer_(observer),
         carrier_(system, fields, budget),
         chord_(chord),
         residual_(residual),
@@ -35,6 +35,7 @@ class TotalTracer {
         pieces_(cut_boundaries(carrier_, curves_, budget)),
         grid_(carrier_) {
     result_.unresolved = pieces_.unresolved;
+    if (observer_) observer_->boundaries(carrier_, curves_, pieces_);
     for (const FamilyField* field : fields) {
       lookouts_.emplace_back();
       if (field->visibility) lookouts_.back().emplace(*field->visibility, field->piece.hops);
@@ -60,6 +61,7 @@ class TotalTracer {
 
   const OpticalSystem& system_;
   Budget& budget_;
+  TotalObserver* observer_;
   SheetCarrier carrier_;
   double chord_, residual_;
   std::vector<BoundaryCurve> curves_;
@@ -110,6 +112,7 @@ void TotalTracer::take(Curve curve, std::vector<Drawn>& drawn) {
 void TotalTracer::take(LevelArc arc, double level, std::vector<Drawn>& drawn) {
   result_.unresolved += arc.stalled;
   if (arc.vertices.size() < 2) return;
+  if (observer_) observer_->level_arc(level, arc);
   Curve curve;
   curve.kind = CurveKind::isolux;
   curve.level = level;
@@ -148,6 +151,7 @@ void TotalTracer::take(const JumpArc& jump, double level, std::vector<Drawn>& dr
 void TotalTracer::trace(double level, int& rings) {
   LevelOnBoundaries found =
       level_on_boundaries(carrier_, curves_, pieces_.pieces, level, residual_);
+  if (observer_) observer_->level_on_boundaries(level, found);
   std::vector<TotalNode> starts, ends;
   for (TotalNode& node : found.nodes) (begins_arc(node) ? starts : ends).push_back(std::move(node));
   std::vector<Drawn> drawn;
@@ -214,8 +218,8 @@ std::optional<std::string> total_unsupported(const std::vector<const FamilyField
 TotalContours trace_total(const OpticalSystem& system,
                           const std::vector<const FamilyField*>& fields,
                           const std::vector<double>& levels, double chord, double residual,
-                          Budget& budget) {
-  return TotalTracer(system, fields, chord, residual, budget).run(levels);
+                          Budget& budget, TotalObserver* observer) {
+  return TotalTracer(system, fields, chord, residual, budget, observer).run(levels);
 }
 
 }  // namespace caustic::solver

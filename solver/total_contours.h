@@ -8,6 +8,7 @@
 
 #include "solver/contours.h"
 #include "solver/family_field.h"
+#include "solver/total_arcs.h"
 
 namespace caustic::solver {
 
@@ -20,10 +21,23 @@ struct TotalContours {
       0;  ///< boundary pieces, arcs and rings that could not be followed or closed
 };
 
-/// `levels` ascending, W/m²; `chord` m; `residual` as for sheets. Fields must be explored.
+/// Looks on while a total is traced, at everything with all its sheets.
+class TotalObserver {
+ public:
+  virtual ~TotalObserver() = default;
+  /// Before the first level. All three stay as they are while levels are traced.
+  virtual void boundaries(SheetCarrier& carrier, const std::vector<BoundaryCurve>& curves,
+                          const BoundaryPieces& pieces) = 0;
+  /// A level's nodes and parts of boundaries, then its arcs.
+  virtual void level_on_boundaries(double level, const LevelOnBoundaries& found) = 0;
+  virtual void level_arc(double level, const LevelArc& arc) = 0;
+};
+
+/// `levels` ascending, W/m²; `chord` m; `residual` as for sheets. Fields must be explored; the
+/// observer may be null.
 TotalContours trace_total(const OpticalSystem& system,
                           const std::vector<const FamilyField*>& fields,
                           const std::vector<double>& levels, double chord, double residual,
-                          Budget& budget);
+                          Budget& budget, TotalObserver* observer = nullptr);
 
 }  // namespace caustic::solver

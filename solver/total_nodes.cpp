@@ -26,21 +26,20 @@ class NodeFinder {
     for (std::size_t i = 0; i < v.size(); ++i) {
       if (i == 0) {
         state_ = {v[0].outside >= level_, v[0].inside >= level_};
-        if (jumps()) begin_jump(v[0]);
+        begin_part(v[0]);
         continue;
       }
       for (const auto& [w, side, at] : crossings(i - 1)) {
         add_node(at, side);
-        const bool jumped = jumps();
+        if (part_) part_->back().vertices.push_back(at);
         state_[side] = !state_[side];
-        if (jumped) end_jump(at);
-        if (jumps()) begin_jump(at);
+        begin_part(at);
       }
-      if (jumps()) out_.jumps.back().vertices.push_back(v[i]);
+      if (part_) part_->back().vertices.push_back(v[i]);
     }
-    if (piece_.closed && nodes_ == 0 && jumps()) {
-      out_.jumps.back().closed = true;
-      out_.jumps.back().vertices.pop_back();
+    if (piece_.closed && nodes_ == 0 && part_) {
+      part_->back().closed = true;
+      part_->back().vertices.pop_back();
     }
   }
 
@@ -51,9 +50,11 @@ class NodeFinder {
     BoundaryVertex at;
   };
   double total(const BoundaryVertex& v, int side) const { return side == 0 ? v.outside : v.inside; }
-  bool jumps() const { return !state_[0] && state_[1]; }
-  void begin_jump(const BoundaryVertex& v) { out_.jumps.push_back({curve_.kind, false, {v}}); }
-  void end_jump(const BoundaryVertex& v) { out_.jumps.back().vertices.push_back(v); }
+  // A part in which the inside is above the level begins here, or none.
+  void begin_part(const BoundaryVertex& v) {
+    part_ = !state_[1] ? nullptr : state_[0] ? &out_.within : &out_.jumps;
+    if (part_) part_->push_back({curve_.kind, piece_.curve, false, {v}});
+  }
 
   std::vector<Crossing> crossings(std::size_t i) const {
     std::vector<Crossing> found;
@@ -131,6 +132,7 @@ class NodeFinder {
   double level_, residual_;
   LevelOnBoundaries& out_;
   std::array<bool, 2> state_{};
+  std::vector<JumpArc>* part_ = nullptr;  // where the part that is under way is kept
   std::size_t nodes_ = 0;
 };
 

@@ -16,16 +16,18 @@ struct TotalNode {
   Vec2 into;          ///< direction on the receiver into that side
 };
 
-/// A part of a boundary piece along which the level lies between the totals, inside on the left.
+/// A part of a boundary piece, inside on the left.
 struct JumpArc {
   BoundaryKind kind;
+  int curve;  ///< index of its boundary curve
   bool closed = false;
   std::vector<BoundaryVertex> vertices;
 };
 
 struct LevelOnBoundaries {
   std::vector<TotalNode> nodes;
-  std::vector<JumpArc> jumps;
+  std::vector<JumpArc> jumps;   ///< the level lies between the totals on both sides
+  std::vector<JumpArc> within;  ///< both totals are above it
 };
 
 LevelOnBoundaries level_on_boundaries(SheetCarrier& carrier,

@@ -362,8 +362,9 @@ std::vector<const FamilyField*> Run::fields_of_total() const {
 
 void Run::add_total() {
   const auto fields = fields_of_total();
-  if (fields.empty() || result_.levels.empty()) return;
-  TotalContours total = trace_total(system_, fields, result_.levels, chord_, residual_, budget_);
+  if (fields.empty() || (result_.levels.empty() && !request_.observer)) return;
+  TotalContours total = trace_total(system_, fields, result_.levels, chord_, residual_, budget_,
+                                    request_.observer);
   std::move(total.curves.begin(), total.curves.end(), std::back_inserter(result_.curves));
   if (total.unresolved > 0 && !budget_.exhausted()) {
     result_.undecided_cells += total.unresolved;

@@ -6,6 +6,7 @@
 #include "service/api/family_json.h"
 #include "service/api/identity.h"
 #include "service/api/json_text.h"
+#include "service/api/level_json.h"
 #include "service/api/scene_json.h"
 
 namespace caustic::service {
@@ -13,45 +14,9 @@ namespace {
 
 using nlohmann::json;
 using solver::ContourRequest;
-using solver::LevelRequest;
 
 constexpr double kDefaultTimeMs = 5000;
 constexpr int kDefaultVertices = 500'000;
-
-/// 1-2-5 numbers between min and max: three a decade.
-bool too_many_one_two_five(const LevelRequest& levels) {
-  return levels.spacing == LevelRequest::Spacing::one_two_five && levels.min && levels.max &&
-         3.0 * std::log10(*levels.max / *levels.min) > static_cast<double>(kMaxLevels) - 3.0;
-}
-
-void read_level_rule(const JsonPlace& place, LevelRequest& out, Faults& faults) {
-  ObjectReader levels(place, faults);
-  out.count = read_integer(levels.member_or("count", 8.0), 1, kMaxLevels, faults);
-  const std::string spacing = levels.word_or("spacing", {"log", "linear", "1-2-5"}, "log");
-  if (spacing == "linear") out.spacing = LevelRequest::Spacing::linear;
-  if (spacing == "1-2-5") out.spacing = LevelRequest::Spacing::one_two_five;
-  const std::size_t faults_before = faults.count();
-  if (const auto min = levels.optional_member("min"))
-    out.min = read_number(*min, kPositive, faults);
-  const auto max = levels.optional_member("max");
-  if (!max) return;
-  out.max = read_number(*max, kPositive, faults);
-  if (faults.count() != faults_before) return;
-  if (out.min && *out.min >= *out.max)
-    faults.add(max->pointer, "must be greater than min");
-  else if (too_many_one_two_five(out))
-    faults.add(place.pointer, "more than " + std::to_string(kMaxLevels) + " levels");
-}
-
-void read_levels(ObjectReader& root, LevelRequest& out) {
-  Faults& faults = root.faults();
-  const JsonPlace place = root.member_or("levels", json::object());
-  if (place.value->is_object()) return read_level_rule(place, out, faults);
-  if (!place.value->is_array()) return faults.add(place.pointer, "must be an array or an object");
-  for (const JsonPlace& level : read_elements(place, kMaxLevels, faults))
-    out.values.push_back(read_number(level, kPositive, faults));
-  if (place.value->empty()) faults.add(place.pointer, "needs at least one level");
-}
 
 void read_include(ObjectReader& root, ContourRequest& request) {
   Faults& faults = root.faults();
@@ -108,7 +73,7 @@ Scene read_members(ObjectReader& root, ContourRequest& request, bool& store) {
   request.families = families.listed;
   request.max_bounces = families.max_bounces;
   request.min_flux_share = families.min_flux_share;
-  read_levels(root, request.levels);
+  request.levels = read_levels(root);
   if (root.word_or("measure", {"sheet", "total"}, "sheet") == "total")
     request.measure = solver::Measure::total;
   read_what_is_to_come(root);

@@ -9,7 +9,6 @@
 
 namespace caustic::service {
 
-constexpr std::size_t kMaxLevels = 1000;
 constexpr double kMaxTimeMs = 60'000;
 constexpr int kMaxVertices = 2'000'000;
 

@@ -48,6 +48,10 @@ int run_command_line(int argc, char** argv) {
   app.add_subcommand("irradiance", "read the light at points of the receiver")
       ->add_option("request", irradiance_request, "request file, - is stdin")
       ->required();
+  std::string analysis_request;
+  app.add_subcommand("analysis", "flux, extremes and uniformity of the light on the receiver")
+      ->add_option("request", analysis_request, "request file, - is stdin")
+      ->required();
   std::string example;
   app.add_subcommand("example", "print a ready request")
       ->add_option("name", example, "without it: list them all");
@@ -66,6 +70,7 @@ int run_command_line(int argc, char** argv) {
   if (app.got_subcommand("serve")) return serve(serve_options);
   if (app.got_subcommand("trace")) return trace(trace_options);
   if (app.got_subcommand("irradiance")) return irradiance(irradiance_request);
+  if (app.got_subcommand("analysis")) return analysis(analysis_request);
   if (app.got_subcommand("example")) return print_example(example);
   return check_health(health.host, health.port);
 }

@@ -21,8 +21,9 @@ struct TraceOptions {
 };
 int trace(const TraceOptions& options);
 
-/// Answers `POST /v1/irradiance` on stdout; - is stdin.
+/// Answer `POST /v1/irradiance` and `POST /v1/analysis` on stdout; - is stdin.
 int irradiance(const std::string& request);
+int analysis(const std::string& request);
 
 /// Prints the request, or a list if there is no name.
 int print_example(const std::string& name);

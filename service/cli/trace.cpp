@@ -70,10 +70,12 @@ int trace_or_throw(const TraceOptions& options, const std::string& format) {
   return report(make_problem(507, "cannot write " + options.output));
 }
 
-int irradiance_or_throw(const std::string& request) {
+using Answer = std::string (*)(std::string_view body, const std::atomic<bool>* stopping);
+
+int print_or_throw(const std::string& request, Answer answer) {
   const auto body = read_all(request);
   if (!body) return report(make_problem(400, "cannot read " + request));
-  if (write_all("-", answer_irradiance(*body) + "\n")) return kDone;
+  if (write_all("-", answer(*body, nullptr) + "\n")) return kDone;
   return report(make_problem(507, "cannot write -"));
 }
 
@@ -100,7 +102,11 @@ int trace(const TraceOptions& options) {
 }
 
 int irradiance(const std::string& request) {
-  return guarded([&] { return irradiance_or_throw(request); });
+  return guarded([&] { return print_or_throw(request, answer_irradiance); });
+}
+
+int analysis(const std::string& request) {
+  return guarded([&] { return print_or_throw(request, answer_analysis); });
 }
 
 int print_example(const std::string& name) {

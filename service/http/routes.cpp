@@ -68,6 +68,7 @@ const Routes::Row Routes::kTable[] = {
     {"POST", "/v1/contours",    true,  &Routes::post_contours},
     {"POST", "/v1/paths",       true,  &Routes::post_paths},
     {"POST", "/v1/irradiance",  true,  &Routes::post_irradiance},
+    {"POST", "/v1/analysis",    true,  &Routes::post_analysis},
     {"GET",  "/v1/results/{}",  false, &Routes::get_result},
     {"GET",  "/v1/examples",    false, &Routes::list_examples},
     {"GET",  "/v1/examples/{}", false, &Routes::get_example},
@@ -125,6 +126,10 @@ HttpResponse Routes::post_paths(const HttpRequest& request, const std::string&) 
 
 HttpResponse Routes::post_irradiance(const HttpRequest& request, const std::string&) const {
   return json_response(answer_irradiance(request.body, stopping_));
+}
+
+HttpResponse Routes::post_analysis(const HttpRequest& request, const std::string&) const {
+  return json_response(answer_analysis(request.body, stopping_));
 }
 
 /// `<id>` is the answer, `<id>.<suffix>` a file.

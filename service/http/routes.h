@@ -26,6 +26,7 @@ class Routes {
   HttpResponse post_contours(const HttpRequest& request, const std::string& unused) const;
   HttpResponse post_paths(const HttpRequest& request, const std::string& unused) const;
   HttpResponse post_irradiance(const HttpRequest& request, const std::string& unused) const;
+  HttpResponse post_analysis(const HttpRequest& request, const std::string& unused) const;
   HttpResponse get_result(const HttpRequest& request, const std::string& name) const;
   HttpResponse list_examples(const HttpRequest& request, const std::string& unused) const;
   HttpResponse get_example(const HttpRequest& request, const std::string& name) const;

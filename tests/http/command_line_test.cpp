@@ -76,6 +76,17 @@ TEST_F(CommandLineTest, reads_irradiance) {
   EXPECT_EQ(run_program({"irradiance"}).exit_code, 2);
 }
 
+TEST_F(CommandLineTest, analyses) {
+  const ProgramResult result = run_program({"analysis", request_file(analysis_request())});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(json::parse(result.out)["levels"].size(), 2u);
+  json request = analysis_request();
+  request["levels"] = json::array();
+  const ProgramResult bad = run_program({"analysis", "-"}, request.dump());
+  EXPECT_EQ(bad.exit_code, 2);
+  EXPECT_EQ(json::parse(bad.err)["errors"][0]["pointer"], "/levels");
+}
+
 TEST_F(CommandLineTest, what_fails_is_1) {
   const std::string request = request_file(ball_request());
   EXPECT_EQ(run_program({"trace", request, "-o", file("no/such/folder/out.vtp")}).exit_code, 1);

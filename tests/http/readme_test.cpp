@@ -54,5 +54,15 @@ TEST_F(ReadmeTest, curl_command) {
   EXPECT_GE(answer["curves"].size(), 6u);
 }
 
+TEST_F(ReadmeTest, curl_command_of_the_analysis) {
+  const std::string script = code_block("sh", "/v1/analysis", server.port());
+  ASSERT_FALSE(script.empty());
+  const auto run = run_command({"sh"}, script);
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  const auto answer = nlohmann::json::parse(run.out, nullptr, false);
+  ASSERT_FALSE(answer.is_discarded()) << run.out;
+  EXPECT_EQ(answer["levels"].size(), 3u);
+}
+
 }  // namespace
 }  // namespace caustic::test

@@ -48,13 +48,16 @@ TEST_F(ServerTest, says_where_it_listens) {
   EXPECT_EQ(server.first_line(), "listening on http://127.0.0.1:" + std::to_string(port()));
 }
 
-TEST_F(ServerTest, answers_questions_about_points_and_stores_nothing) {
+TEST_F(ServerTest, answers_questions_by_numbers_and_stores_nothing) {
   const HttpReply paths = http_post(port(), "/v1/paths", path_request().dump());
   EXPECT_EQ(paths.status, 200);
   EXPECT_EQ(json::parse(paths.body)["paths"].size(), 1u);
   const HttpReply irradiance = http_post(port(), "/v1/irradiance", irradiance_request().dump());
   EXPECT_EQ(irradiance.status, 200);
   EXPECT_EQ(json::parse(irradiance.body)["points"].size(), 2u);
+  const HttpReply analysis = http_post(port(), "/v1/analysis", analysis_request().dump());
+  EXPECT_EQ(analysis.status, 200);
+  EXPECT_EQ(json::parse(analysis.body)["levels"].size(), 2u);
   EXPECT_EQ(http_post(port(), "/v1/paths", "{}").status, 422);
   EXPECT_EQ(http_post(port(), "/v1/irradiance", "{}", "text/plain").status, 415);
   EXPECT_EQ(http_get(port(), "/v1/paths").status, 405);

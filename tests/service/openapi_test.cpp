@@ -120,12 +120,15 @@ TEST(Openapi, calls_about_points_fit_it) {
   expect_valid("IrradianceRequest", test::irradiance_request());
   expect_valid("IrradianceAnswer",
                json::parse(answer_irradiance(test::irradiance_request().dump())));
+  expect_valid("AnalysisRequest", test::analysis_request());
+  expect_valid("AnalysisAnswer", json::parse(answer_analysis(test::analysis_request().dump())));
 }
 
 /// A body that the path takes.
 json body_for(const std::string& path) {
   if (path == "/v1/paths") return test::path_request();
   if (path == "/v1/irradiance") return test::irradiance_request();
+  if (path == "/v1/analysis") return test::analysis_request();
   return test::ball_request();
 }
 

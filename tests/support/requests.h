@@ -36,6 +36,12 @@ inline nlohmann::json irradiance_request() {
   return request;
 }
 
+inline nlohmann::json analysis_request() {
+  nlohmann::json request{{"scene", ball_request()["scene"]}};
+  request["levels"] = {0.0005, 0.0003};
+  return request;
+}
+
 inline nlohmann::json& surface(nlohmann::json& request, std::size_t i = 0) {
   return request["scene"]["surfaces"][i];
 }

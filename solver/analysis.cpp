@@ -1,0 +1,105 @@
+#include "solver/analysis.h"
+
+#include <algorithm>
+
+#include "solver/region_integrals.h"
+#include "solver/total_contours.h"
+
+namespace caustic::solver {
+
+namespace {
+
+class Analyst final : public TotalObserver {
+ public:
+  explicit Analyst(Analysis& out) : out_(out) {}
+
+  void boundaries(SheetCarrier& carrier, const std::vector<BoundaryCurve>& curves,
+                  const BoundaryPieces& pieces) override {
+    integrator_.emplace(carrier, curves);
+    const RegionIntegrals all = integrator_->all(pieces.pieces);
+    out_.flux = all.flux;
+    out_.undecided += all.unresolved;
+  }
+  void level_on_boundaries(double level, const LevelOnBoundaries& found) override {
+    finish_level();
+    out_.levels.push_back({level, {}, {}});
+    integrator_->begin(level, found);
+  }
+  void level_arc(double, const LevelArc& arc) override { integrator_->add(arc); }
+
+  void finish_level() {
+    if (out_.levels.empty()) return;
+    const RegionIntegrals region = integrator_->result();
+    out_.levels.back().area = region.area;
+    out_.levels.back().flux = region.flux;
+    out_.undecided += region.unresolved;
+  }
+
+ private:
+  Analysis& out_;
+  std::optional<RegionIntegrator> integrator_;
+};
+
+// Of families that were left out for bringing next to nothing.
+double flux_left_out(const ContourResult& result, const ContourRequest& request) {
+  if (!request.families.empty()) return 0.0;
+  double all = 0.0, faint = 0.0;
+  for (const FamilyReport& family : result.families) all += family.flux;
+  for (const FamilyReport& family : result.families) {
+    if (family.flux < request.min_flux_share * all) faint += family.flux;
+  }
+  return faint;
+}
+
+// A surface of a family may lose light by Fresnel's equations, by an angle that varies.
+bool share_varies(const OpticalSystem& system, const ContourResult& result) {
+  for (const FamilyReport& family : result.families) {
+    for (const int surface : family.surfaces) {
+      if (family.flux > 0.0 && !system.surfaces()[surface].optics.constant_share()) return true;
+    }
+  }
+  return false;
+}
+
+bool warned(const ContourResult& result, const char* code) {
+  return std::any_of(result.warnings.begin(), result.warnings.end(),
+                     [&](const Warning& w) { return w.code == code; });
+}
+
+}  // namespace
+
+Analysis analyse(const OpticalSystem& system, ContourRequest request) {
+  Analysis out;
+  Analyst analyst(out);
+  request.measure = Measure::total;
+  request.isolux = true;
+  request.caustic = false;
+  request.observer = &analyst;
+  const ContourResult result = trace_contours(system, request);
+  out.unsupported = result.unsupported;
+  if (warned(result, "degenerate_family"))
+    out.unsupported = "the analysis of light that is all focused into one point or line";
+  if (share_varies(system, result))
+    out.unsupported = "the analysis of light that loses a share which varies with the angle";
+  if (out.unsupported) return out;
+  analyst.finish_level();
+  out.complete = result.complete;
+  out.undecided += result.undecided_cells;
+  out.warnings = result.warnings;
+  // Where nothing is lit, nothing was traced.
+  if (out.levels.empty()) {
+    for (const double level : result.levels) out.levels.push_back({level, {}, {}});
+  }
+  if (out.undecided > 0 && !warned(result, "unresolved")) {
+    out.warnings.push_back({"unresolved", std::to_string(out.undecided) +
+                                              " places could not be settled: values may be off by "
+                                              "more than their errors"});
+  }
+  out.flux.error += flux_left_out(result, request);
+  const Vec2& half = system.receiver().half;
+  const double area = 4.0 * half.x() * half.y();
+  out.average = {out.flux.value / area, out.flux.error / area};
+  return out;
+}
+
+}  // namespace caustic::solver

@@ -1,0 +1,110 @@
+#include "solver/arc_points.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace caustic::solver {
+
+namespace {
+
+constexpr int kMaxPointSteps = 12;
+// Newton's step after which the next is rounding, in chords, and the largest distance from the
+// chord.
+constexpr double kLastStep = 1e-8;
+constexpr double kFurthestFromChord = 2.0;
+// A place on a boundary is where its chord's share says to this.
+constexpr double kShareResidual = 1e-14;
+// A sheet whose a falls to this share between two vertices ends in a fold at the second one.
+constexpr double kFoldedShare = 0.1;
+
+// Do sheets meet in a fold at `end`, as seen from its neighbour?
+bool folds(const BoundaryVertex& end, const BoundaryVertex& neighbour) {
+  if (!end.followed || end.others.size() != neighbour.others.size()) return true;
+  for (std::size_t k = 0; k < end.others.size(); ++k) {
+    if (std::abs(end.others[k].at.a) < kFoldedShare * std::abs(neighbour.others[k].at.a))
+      return true;
+  }
+  return false;
+}
+
+Vec2 left_of(const Vec2& c) { return {-c.y(), c.x()}; }
+
+// h′ at a vertex.
+double slope_at(const ArcVertex& v, const Vec2& chord) {
+  const Vec2 g = total_of(v.branches).gradient;
+  return -g.dot(chord) / g.dot(left_of(chord));
+}
+
+}  // namespace
+
+std::optional<ArcPoint> along_level(SheetCarrier& carrier, double level, const ArcVertex& a,
+                                    const ArcVertex& b, double t) {
+  const Vec2 chord = b.q - a.q, across = left_of(chord);
+  const double ha = slope_at(a, chord), hb = slope_at(b, chord);
+  double h = t * (1.0 - t) * ((1.0 - t) * ha - t * hb);
+  if (!(std::abs(h) < kFurthestFromChord)) h = 0.0;
+  ArcPoint at;
+  at.branches = t < 0.5 ? a.branches : b.branches;
+  for (int i = 0; i < kMaxPointSteps; ++i) {
+    at.q = a.q + t * chord + h * across;
+    if (!carrier.carry(at.branches, at.q)) return std::nullopt;
+    const Total total = total_of(at.branches);
+    const double slope = total.gradient.dot(across), step = (level - total.E) / slope;
+    if (!std::isfinite(step) || std::abs(h + step) > kFurthestFromChord) return std::nullopt;
+    h += step;
+    if (std::abs(step) > kLastStep) continue;
+    // Less than rounding is left, also of the derivatives, once this step is taken.
+    at.q += step * across;
+    if (!carrier.carry(at.branches, at.q)) return std::nullopt;
+    const Vec2 g = total_of(at.branches).gradient;
+    at.dq = chord - (g.dot(chord) / g.dot(across)) * across;
+    return at;
+  }
+  return std::nullopt;
+}
+
+std::optional<ArcPoint> along_boundary(SheetCarrier& carrier, const BoundaryCurve& curve,
+                                       const BoundaryVertex& a, const BoundaryVertex& b, double t) {
+  const bool a_folds = b.followed && folds(a, b), b_folds = a.followed && folds(b, a);
+  double w = t, speed = 1.0;
+  if (a_folds) {
+    w = t * t;
+    speed = 2.0 * t;
+  } else if (b_folds) {
+    w = t * (2.0 - t);
+    speed = 2.0 * (1.0 - t);
+  }
+  const bool from_a = b_folds || (!a_folds && w < 0.5);
+  ArcPoint at;
+  at.branches = (from_a ? a : b).others;
+  if (curve.on_receiver_edge()) {
+    at.q = a.at.q + w * (b.at.q - a.at.q);
+    at.dq = speed * (b.at.q - a.at.q);
+  } else {
+    const Vec3 chord = b.at.own.x - a.at.own.x;
+    const double length2 = chord.squaredNorm();
+    BoundaryPlace near = (from_a ? a : b).at;
+    near.own.x = a.at.own.x + w * chord;
+    const LevelFunction function = curve.function(carrier.field(curve.field));
+    for (int i = 0;; ++i) {
+      const auto place = settle_on(carrier, curve, near);
+      if (!place) return std::nullopt;
+      const Vec3 tangent = function.tangent(place->own);
+      const double along = tangent.dot(chord);
+      const double miss = w * length2 - chord.dot(place->own.x - a.at.own.x);
+      at.own = place->own;
+      at.q = place->q;
+      at.dx = (speed * length2 / along) * tangent;
+      if (!at.dx.allFinite()) return std::nullopt;
+      // Off by this much is off by its square in the integral's points, not in the curve.
+      if (std::abs(miss) <= kShareResidual * length2 || i == 4) break;
+      near = *place;
+      near.own.x += (miss / along) * tangent;
+    }
+    at.dq = at.own.push_forward(at.dx);
+  }
+  if (!carrier.carry(at.branches, at.q)) return std::nullopt;
+  return at;
+}
+
+}  // namespace caustic::solver

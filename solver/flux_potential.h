@@ -1,0 +1,36 @@
+// The flux through a part of the first surface as a line integral round it (S60).
+#pragma once
+
+#include <optional>
+
+#include "solver/family_field.h"
+
+namespace caustic::solver {
+
+/// Of one explored family whose ρ is constant.
+class FluxPotential {
+ public:
+  FluxPotential(const FamilyField& field, const Light& light);
+
+  /// A(x)[dx], W.
+  double along(const Point& x, const Vec3& dx) const;
+  /// An exact form of the same size, which vanishes round anything that is closed, W.
+  Vec3 closing(const Point& x, const Vec3& dx) const;
+
+  /// Where A has its pole, if that is a place that light may reach: then `pole_flux` is missing
+  /// round a region which holds it.
+  const std::optional<FieldPoint>& pole() const { return pole_; }
+  double pole_flux() const { return 4.0 * geometry::kPi * strength_; }
+
+ private:
+  void turn_away(const FamilyField& field);
+
+  bool point_source_;
+  double strength_;     // ρI, W/sr, or ρE_b, W/m²
+  Vec3 source_;         // position of a point source, direction of a beam
+  Vec3 axis_;           // b of a point source, c of a beam
+  double reach_ = 0.0;  // of a beam: largest |x − c|, m
+  std::optional<FieldPoint> pole_;
+};
+
+}  // namespace caustic::solver

@@ -1,0 +1,58 @@
+// Area of a region of the receiver and flux onto it, by line integrals along its edge (S61)–(S63).
+#pragma once
+
+#include <vector>
+
+#include "solver/analysis.h"
+#include "solver/arc_points.h"
+#include "solver/flux_potential.h"
+#include "solver/total_nodes.h"
+
+namespace caustic::solver {
+
+struct RegionIntegrals {
+  Estimate area;               ///< m²
+  Estimate flux;               ///< W
+  std::size_t unresolved = 0;  ///< segments that could not be followed; errors do not know of them
+};
+
+class RegionIntegrator {
+ public:
+  RegionIntegrator(SheetCarrier& carrier, const std::vector<BoundaryCurve>& curves);
+
+  /// Of everything that reaches the receiver; the area is the receiver's.
+  RegionIntegrals all(const std::vector<BoundaryPiece>& pieces);
+  /// A region begins with its boundaries; its level arcs follow.
+  void begin(double level, const LevelOnBoundaries& found);
+  void add(const LevelArc& arc);
+  /// What has been added since the region began.
+  RegionIntegrals result();
+
+ private:
+  // Area, flux, what rounding of x moves the area by, ∮dq, Σ∮s of exact forms.
+  using Density = Eigen::Matrix<double, 8, 1>;
+  // What counts along a boundary.
+  struct Count {
+    bool others, own, area;
+  };
+
+  void add_sheet(const Branch& sheet, const Vec3& dx, Density& sum) const;
+  Density level_density(const ArcPoint& at) const;
+  Density boundary_density(const ArcPoint& at, int field, const Count& count) const;
+  void add(const BoundaryCurve& curve, const std::vector<BoundaryVertex>& vertices, bool closed,
+           const Count& count);
+  template <class DensityAt>
+  void integrate(const DensityAt& density_at, double begin, double end, int depth = 0);
+  double flux_beyond_poles() const;
+
+  SheetCarrier& carrier_;
+  const std::vector<BoundaryCurve>& curves_;
+  std::vector<FluxPotential> potentials_;  // of each field
+  std::vector<double> pole_totals_;        // E_tot where a potential has its pole
+  double area_scale_, flux_scale_ = 0.0;
+  double level_ = 0.0;
+  Density sum_, errors_;
+  std::size_t unresolved_ = 0, points_ = 0;
+};
+
+}  // namespace caustic::solver

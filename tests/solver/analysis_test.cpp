@@ -1,0 +1,367 @@
+// Areas and fluxes of the total against closed forms, one-dimensional integrals written out here,
+// and random points.
+#include "solver/analysis.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <functional>
+
+#include "geometry/expression/field.h"
+#include "solver/point_irradiance.h"
+#include "tests/support/random.h"
+#include "tests/support/scenes.h"
+
+namespace caustic::solver {
+namespace {
+
+using geometry::kPi;
+using test::floor_at;
+using test::one_mirror;
+using test::Random;
+
+Analysis analysis_of(const OpticalSystem& system, std::vector<double> levels, double chord = 0.0) {
+  ContourRequest request;
+  request.levels.values = std::move(levels);
+  request.chord_tolerance = chord;
+  request.time_limit = 60.0;
+  Analysis analysis = analyse(system, request);
+  EXPECT_FALSE(analysis.unsupported) << *analysis.unsupported;
+  EXPECT_TRUE(analysis.complete);
+  EXPECT_EQ(analysis.undecided, 0u);
+  for (const Warning& w : analysis.warnings) ADD_FAILURE() << w.code << ": " << w.detail;
+  return analysis;
+}
+
+/// The estimate holds, and is worth something. The expected value is good to 1e-12.
+void expect_holds(const Estimate& found, double expected, double largest_error) {
+  const double rounding = 1e-12 * std::abs(expected);
+  EXPECT_LE(std::abs(found.value - expected), found.error + rounding) << found.value;
+  EXPECT_LE(found.error, largest_error);
+}
+
+double root_of(const auto& f, double a, double b) {
+  const bool positive = f(b) > 0.0;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (a + b);
+    ((f(middle) > 0.0) == positive ? b : a) = middle;
+  }
+  return 0.5 * (a + b);
+}
+
+TEST(Analysis, OfABallUnderItsLamp) {
+  const auto system =
+      one_mirror(PointLight{{0, 0, 4}, 2.0}, geometry::make_sphere(Point::Zero(), 1.0),
+                 floor_at({0, 0, 6}, 12, 12), {}, 0.8);
+  // At the polar angle θ of the ball: ψ of the light before, β after, both to the axis.
+  const auto psi = [](double t) { return std::atan2(std::sin(t), 4.0 - std::cos(t)); };
+  const auto psi_t = [](double t) {
+    const double s = std::sin(t), c = 4.0 - std::cos(t);
+    return (std::cos(t) * c - s * s) / (s * s + c * c);
+  };
+  const auto radius = [&](double t) {
+    return std::sin(t) + (6.0 - std::cos(t)) * std::tan(2.0 * t + psi(t));
+  };
+  const auto E = [&](double t) {
+    const double tan = std::tan(2.0 * t + psi(t));
+    const double radius_t = std::cos(t) + std::sin(t) * tan +
+                            (6.0 - std::cos(t)) * (1.0 + tan * tan) * (2.0 + psi_t(t));
+    return 1.6 * std::sin(psi(t)) * psi_t(t) / (radius(t) * radius_t);
+  };
+  const std::vector<double> levels{8e-4, 5e-4};
+  for (const double chord : {1e-4, 1e-3, 5e-3}) {
+    const auto analysis = analysis_of(system, levels, chord);
+    ASSERT_EQ(analysis.levels.size(), 2u);
+    for (const LevelAnalysis& level : analysis.levels) {
+      const double t = root_of([&](double at) { return E(at) - level.level; }, 0.01, 0.5);
+      expect_holds(level.area, kPi * radius(t) * radius(t), 1e-6);
+      expect_holds(level.flux, 3.2 * kPi * (1.0 - std::cos(psi(t))), 1e-9);
+    }
+  }
+}
+
+// Water z = 0.1 sin 2πx over a floor at −1, lit from above: all is a function of u.
+class WaterWaves {
+ public:
+  WaterWaves() {
+    for (int i = 0; i < 3000; ++i) {
+      const double a = -1.0 + 1e-3 * i, b = a + 1e-3;
+      if ((slope(a) > 0.0) != (slope(b) > 0.0)) folds_.push_back(root_of(slope, a, b));
+    }
+  }
+  /// Where the ray that meets the water at x arrives, and its derivative.
+  static double arrival(double x) {
+    const auto [tan, tan_x] = refracted(x);
+    return x + (1.0 + 0.1 * std::sin(2 * kPi * x)) * tan;
+  }
+  static double slope(double x) {
+    const auto [tan, tan_x] = refracted(x);
+    return 1.0 + 0.2 * kPi * std::cos(2 * kPi * x) * tan +
+           (1.0 + 0.1 * std::sin(2 * kPi * x)) * tan_x;
+  }
+  /// Between folds the map is monotone: its inverses at u.
+  std::vector<double> places(double u) const {
+    std::vector<double> found;
+    for (std::size_t i = 0; i + 1 < folds_.size(); ++i) {
+      const double a = folds_[i], b = folds_[i + 1];
+      if ((arrival(a) > u) != (arrival(b) > u))
+        found.push_back(root_of([&](double x) { return arrival(x) - u; }, a, b));
+    }
+    return found;
+  }
+  double irradiance(double u) const {
+    double sum = 0.0;
+    for (const double x : places(u)) sum += 1.0 / std::abs(slope(x));
+    return sum;
+  }
+  /// Intervals of [lo, hi] where the irradiance is at least `level`, cut at caustics.
+  std::vector<std::pair<double, double>> strips(double level, double lo, double hi) const {
+    std::vector<double> cuts{lo, hi};
+    for (const double x : folds_) {
+      if (arrival(x) > lo && arrival(x) < hi) cuts.push_back(arrival(x));
+    }
+    std::sort(cuts.begin(), cuts.end());
+    std::vector<std::pair<double, double>> found;
+    for (std::size_t k = 0; k + 1 < cuts.size(); ++k) {
+      constexpr int kSamples = 60;
+      // Denser towards the caustics, which the ends may be.
+      const auto at = [&](int i) {
+        const double s = std::sin(0.5 * kPi * (i + 0.5) / kSamples);
+        return cuts[k] + (cuts[k + 1] - cuts[k]) * s * s;
+      };
+      const auto excess = [&](double u) { return irradiance(u) - level; };
+      double begin = excess(at(0)) >= 0.0 ? cuts[k] : NAN;
+      for (int i = 0; i + 1 < kSamples; ++i) {
+        if ((excess(at(i)) >= 0.0) == (excess(at(i + 1)) >= 0.0)) continue;
+        const double edge = root_of(excess, at(i), at(i + 1));
+        if (std::isnan(begin)) {
+          begin = edge;
+        } else {
+          found.emplace_back(begin, edge);
+          begin = NAN;
+        }
+      }
+      if (!std::isnan(begin)) found.emplace_back(begin, cuts[k + 1]);
+    }
+    return found;
+  }
+  /// Length of what sends its light between two values of u within which no caustic lies.
+  double length(double u0, double u1) const {
+    double sum = 0.0;
+    for (std::size_t i = 0; i + 1 < folds_.size(); ++i) {
+      const double a = folds_[i], b = folds_[i + 1];
+      const bool rises = arrival(b) > arrival(a);
+      const auto inverse = [&](double u) {
+        if ((rises ? arrival(a) : arrival(b)) >= u) return rises ? a : b;
+        if ((rises ? arrival(b) : arrival(a)) <= u) return rises ? b : a;
+        return root_of([&](double x) { return arrival(x) - u; }, a, b);
+      };
+      sum += std::abs(inverse(u1) - inverse(u0));
+    }
+    return sum;
+  }
+
+ private:
+  // Tangent of the refracted ray's angle to the vertical, and its derivative.
+  static std::pair<double, double> refracted(double x) {
+    const double f = 0.2 * kPi * std::cos(2 * kPi * x),
+                 f_x = -0.4 * kPi * kPi * std::sin(2 * kPi * x);
+    const double in = std::atan(f), out = std::asin(std::sin(in) / 1.33);
+    const double in_x = f_x / (1.0 + f * f);
+    const double out_x = std::cos(in) * in_x / (1.33 * std::cos(out));
+    const double tan = std::tan(in - out);
+    return {tan, (1.0 + tan * tan) * (in_x - out_x)};
+  }
+  std::vector<double> folds_;
+};
+
+TEST(Analysis, OfWaterWavesIsOneDimensional) {
+  const auto surface =
+      geometry::make_expression(geometry::read_expression("z-0.1*sin(6.283185307179586*x)", 1.0),
+                                {Point(-1, -1, -0.2), Point(2, 2, 0.2)}, {});
+  auto water = test::mirror(surface.surface);
+  water.optics = {.kind = Optics::Kind::refract, .index_outside = 1.0, .index_inside = 1.33};
+  const auto system = OpticalSystem::build(CollimatedLight{{0, 0, -1}, 1.0}, {water},
+                                           floor_at({0.5, 0.5, -1}, 1, 1));
+  const WaterWaves waves;
+  const auto measures = [&](double level) {
+    std::pair<double, double> sum{0.0, 0.0};
+    for (const auto& [begin, end] : waves.strips(level, 0.0, 1.0)) {
+      sum.first += end - begin;
+      sum.second += waves.length(begin, end);
+    }
+    return sum;
+  };
+  for (const double chord : {1e-4, 1e-2}) {
+    const auto analysis = analysis_of(system, {0.8, 1.5, 3.0, 10.0}, chord);
+    expect_holds(analysis.flux, measures(1e-3).second, 1e-8);
+    for (const LevelAnalysis& level : analysis.levels) {
+      const auto [area, flux] = measures(level.level);
+      expect_holds(level.area, area, 1e-8);
+      expect_holds(level.flux, flux, 1e-8);
+    }
+  }
+}
+
+// 10⁷ by ISOCAUSTIC_SAMPLES=10000000.
+int analysis_samples() {
+  const char* wanted = std::getenv("ISOCAUSTIC_SAMPLES");
+  return wanted ? std::atoi(wanted) : 6000;
+}
+
+/// A random place where light leaves the mirror: its arrival, and the flux per sample that it
+/// stands for.
+using Emission = std::function<std::pair<Vec2, double>(Random&)>;
+
+/// Areas by random points of the receiver, fluxes by random points of the mirror, each with the
+/// meter's reading: within four standard deviations.
+void expect_what_random_points_say(const OpticalSystem& system, const Analysis& analysis,
+                                   const Emission& emit) {
+  LightMeter meter(system, {}, false);
+  Random random(4711);
+  const Vec2 half = system.receiver().half;
+  const int samples = analysis_samples();
+  const std::size_t n = analysis.levels.size();
+  std::vector<double> inside(n), flux(n), flux2(n);
+  double all = 0.0, all2 = 0.0;
+  const auto total = [&](const Vec2& q) {
+    const auto reading = meter.at(q);
+    return reading.on_caustic ? geometry::kInfinity : reading.E;
+  };
+  for (int k = 0; k < samples; ++k) {
+    const double at_random =
+        total({random.uniform(-half.x(), half.x()), random.uniform(-half.y(), half.y())});
+    const auto [q, weight] = emit(random);
+    const bool arrives = system.receiver().contains(q);
+    const double at_arrival = arrives ? total(q) : 0.0;
+    all += arrives * weight;
+    all2 += arrives * weight * weight;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double level = analysis.levels[i].level;
+      inside[i] += at_random >= level;
+      if (!(at_arrival >= level)) continue;
+      flux[i] += weight;
+      flux2[i] += weight * weight;
+    }
+  }
+  const auto expect_mean = [&](const Estimate& found, double sum, double sum2) {
+    const double mean = sum / samples;
+    const double noise = std::sqrt((sum2 / samples - mean * mean) / samples);
+    EXPECT_NEAR(found.value, mean, 4.0 * noise + found.error);
+  };
+  const double area = 4.0 * half.x() * half.y();
+  expect_mean(analysis.flux, all, all2);
+  for (std::size_t i = 0; i < n; ++i) {
+    SCOPED_TRACE(analysis.levels[i].level);
+    expect_mean(analysis.levels[i].area, area * inside[i], area * area * inside[i]);
+    expect_mean(analysis.levels[i].flux, flux[i], flux2[i]);
+  }
+}
+
+TEST(Analysis, OfTheNephroidRing) {
+  const auto system = one_mirror(CollimatedLight{Vec3(1, 0, -1).normalized(), 1.0},
+                                 geometry::make_cylinder(Point::Zero(), {0, 0, 1}, 1.0),
+                                 floor_at({0.5, 0, 0}, 1.2, 1.2),
+                                 geometry::box_aperture({0.5, -1, 0}, {1.001, 1, 1}));
+  // From (cos φ, sin φ, z) light arrives at (cos φ − z cos 2φ, sin φ − z sin 2φ).
+  const auto arrival = [](double phi, double z) {
+    return Vec2(std::cos(phi) - z * std::cos(2 * phi) - 0.5, std::sin(phi) - z * std::sin(2 * phi));
+  };
+  const auto analysis = analysis_of(system, {1e-6, 1.0, 2.0, 4.0});
+  expect_what_random_points_say(system, analysis, [&](Random& random) {
+    const double phi = random.uniform(-kPi / 3, kPi / 3), z = random.uniform(0.0, 1.0);
+    return std::pair(arrival(phi, z), 2 * kPi / 3 * std::cos(phi) / std::sqrt(2.0));
+  });
+  // All flux: the part of each line φ = const that falls on the receiver.
+  constexpr int kLines = 400'000;
+  double flux = 0.0;
+  for (int i = 0; i < kLines; ++i) {
+    const double phi = kPi / 3 * ((i + 0.5) / kLines * 2.0 - 1.0);
+    double lo = 0.0, hi = 1.0;
+    for (const int axis : {0, 1}) {
+      const double at = arrival(phi, 0.0)[axis], along = arrival(phi, 1.0)[axis] - at;
+      const double w0 = (-0.6 - at) / along, w1 = (0.6 - at) / along;
+      lo = std::max(lo, std::min(w0, w1));
+      hi = std::min(hi, std::max(w0, w1));
+    }
+    flux += std::max(0.0, hi - lo) * std::cos(phi) / std::sqrt(2.0) * 2.0 * kPi / 3.0 / kLines;
+  }
+  EXPECT_NEAR(analysis.flux.value, flux, 1e-9);
+  // The bands between levels make up all of it: nowhere is light fainter than 1e-6.
+  EXPECT_NEAR(analysis.levels[0].flux.value, analysis.flux.value, 1e-9);
+  EXPECT_LE(analysis.flux.error, 1e-8);
+  for (const LevelAnalysis& level : analysis.levels) {
+    EXPECT_LE(level.area.error, 1e-8);
+    EXPECT_LE(level.flux.error, 1e-8);
+  }
+}
+
+// Two tilted plates whose patches of light overlap.
+TEST(Analysis, OfOverlappingPatches) {
+  const Point lamp(0.1, 0.05, 1.0);
+  const Vec3 normals[2] = {Vec3(0.2, 0, 1).normalized(), Vec3(-0.2, 0.05, 1).normalized()};
+  const Point middles[2] = {{-0.5, 0, 0}, {0.5, 0, 0}};
+  const geometry::Vec2 lo[2] = {{-0.8, -0.3}, {0.2, -0.25}}, hi[2] = {{-0.2, 0.3}, {0.8, 0.35}};
+  std::vector<SystemSurface> plates;
+  for (const int k : {0, 1}) {
+    plates.push_back(
+        test::mirror(geometry::make_plane(middles[k], normals[k]),
+                     geometry::box_aperture({lo[k].x(), lo[k].y(), -1}, {hi[k].x(), hi[k].y(), 1}),
+                     k == 0 ? 0.9 : 0.8));
+  }
+  plates[1].name = "right";
+  const auto system =
+      OpticalSystem::build(PointLight{lamp, 1.0}, plates, floor_at({0, 0, 1.5}, 3, 3));
+  const auto analysis = analysis_of(system, {0.05, 0.09, 0.12});
+  expect_what_random_points_say(system, analysis, [&](Random& random) {
+    const int k = random.uniform(0.0, 1.0) < 0.5 ? 0 : 1;
+    const Vec3& n = normals[k];
+    Point x(random.uniform(lo[k].x(), hi[k].x()), random.uniform(lo[k].y(), hi[k].y()), 0.0);
+    x.z() = -(n.x() * (x.x() - middles[k].x()) + n.y() * (x.y() - middles[k].y())) / n.z();
+    const Vec3 d = x - lamp, out = d - 2.0 * d.dot(n) * n;
+    const double tau = (1.5 - x.z()) / out.z();
+    const double area = 2.0 * (hi[k] - lo[k]).prod() / n.z();
+    const double weight = (k == 0 ? 0.9 : 0.8) * area * std::abs(d.dot(n)) / std::pow(d.norm(), 3);
+    return std::pair(Vec2(x.x() + tau * out.x(), x.y() + tau * out.y()), weight);
+  });
+}
+
+TEST(Analysis, WhereNothingArrives) {
+  const auto system =
+      one_mirror(PointLight{{0, 0, 4}, 1.0}, geometry::make_sphere(Point::Zero(), 1.0),
+                 floor_at({0, 0, -40}, 1, 1));
+  ContourRequest request;
+  request.levels.values = {1.0, 2.0};
+  const auto analysis = analyse(system, request);
+  EXPECT_EQ(analysis.flux.value, 0.0);
+  ASSERT_EQ(analysis.levels.size(), 2u);
+  EXPECT_EQ(analysis.levels[1].area.value, 0.0);
+}
+
+TEST(Analysis, SaysWhatItLacks) {
+  ContourRequest request;
+  request.levels.values = {1.0};
+  const auto hidden =
+      OpticalSystem::build(PointLight{{0, 0, 4}, 1.0},
+                           {test::mirror(geometry::make_sphere(Point::Zero(), 1.0)),
+                            test::absorber(geometry::make_sphere({1.5, 0, 3}, 0.5))},
+                           floor_at({0, 0, 6}, 12, 12));
+  EXPECT_TRUE(analyse(hidden, request).unsupported);
+  auto metal = test::mirror(geometry::make_sphere(Point::Zero(), 1.0));
+  metal.optics.metal = {1.5, 4.0};
+  EXPECT_TRUE(analyse(OpticalSystem::build(PointLight{{0, 0, 4}, 1.0}, {metal},
+                                           floor_at({0, 0, 6}, 12, 12)),
+                      request)
+                  .unsupported);
+  // From one focus all light meets the other.
+  const auto focused = one_mirror(
+      PointLight{{0, 0, -0.6}, 1.0},
+      geometry::make_ellipsoid(Point::Zero(), {0.8, 0.8, 1.0}, geometry::Mat3::Identity()),
+      floor_at({0, 0, 0.6}, 0.4, 0.4), geometry::box_aperture({-1, -1, -1}, {1, 1, 0.3}));
+  EXPECT_TRUE(analyse(focused, request).unsupported);
+}
+
+}  // namespace
+}  // namespace caustic::solver
