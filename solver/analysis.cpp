@@ -4,6 +4,7 @@
 
 #include "solver/region_integrals.h"
 #include "solver/total_contours.h"
+#include "solver/total_extremes.h"
 
 namespace caustic::solver {
 
@@ -19,6 +20,9 @@ class Analyst final : public TotalObserver {
     const RegionIntegrals all = integrator_->all(pieces.pieces);
     out_.flux = all.flux;
     out_.undecided += all.unresolved;
+    const TotalExtremes extremes = find_extremes(carrier, curves, pieces.pieces);
+    out_.min = extremes.min;
+    out_.max = extremes.max;
   }
   void level_on_boundaries(double level, const LevelOnBoundaries& found) override {
     finish_level();

@@ -16,6 +16,8 @@ constexpr double kFurthestFromChord = 2.0;
 constexpr double kShareResidual = 1e-14;
 // A sheet whose a falls to this share between two vertices ends in a fold at the second one.
 constexpr double kFoldedShare = 0.1;
+// Roundings of E itself.
+constexpr double kIrradianceRoundings = 16.0;
 
 // Do sheets meet in a fold at `end`, as seen from its neighbour?
 bool folds(const BoundaryVertex& end, const BoundaryVertex& neighbour) {
@@ -105,6 +107,18 @@ std::optional<ArcPoint> along_boundary(SheetCarrier& carrier, const BoundaryCurv
   }
   if (!carrier.carry(at.branches, at.q)) return std::nullopt;
   return at;
+}
+
+double rounding_of_total(const SheetCarrier& carrier, const Branches& branches) {
+  double sum = 0.0;
+  for (const Branch& b : branches) {
+    const FieldPoint& f = b.at;
+    const double E = f.irradiance();
+    const Vec3 slope = (f.grad_flux - std::copysign(E, f.a) * f.grad_a) / std::abs(f.a);
+    sum += slope.norm() * carrier.field(b.field).map.rounding(f.x) +
+           kIrradianceRoundings * geometry::kEpsilon * E;
+  }
+  return sum;
 }
 
 }  // namespace caustic::solver

@@ -24,4 +24,7 @@ std::optional<ArcPoint> along_level(SheetCarrier& carrier, double level, const A
 std::optional<ArcPoint> along_boundary(SheetCarrier& carrier, const BoundaryCurve& curve,
                                        const BoundaryVertex& a, const BoundaryVertex& b, double t);
 
+/// What rounding of x moves the total by, W/m² (S14).
+double rounding_of_total(const SheetCarrier& carrier, const Branches& branches);
+
 }  // namespace caustic::solver

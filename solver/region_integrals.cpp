@@ -22,14 +22,6 @@ constexpr double kSumRoundings = 8.0;
 
 enum { kArea, kFlux, kNoise, kClosing, kClosingFlux = kClosing + 2 };
 
-// What rounding of x moves the irradiance of a sheet by, W/m² (S14).
-double noise_of(const SheetCarrier& carrier, const Branch& sheet) {
-  const FieldPoint& f = sheet.at;
-  const Vec3 slope =
-      (f.grad_flux - (f.irradiance() * std::copysign(1.0, f.a)) * f.grad_a) / std::abs(f.a);
-  return slope.norm() * carrier.field(sheet.field).map.rounding(f.x);
-}
-
 }  // namespace
 
 RegionIntegrator::RegionIntegrator(SheetCarrier& carrier, const std::vector<BoundaryCurve>& curves)
@@ -54,13 +46,10 @@ void RegionIntegrator::add_sheet(const Branch& sheet, const Vec3& dx, Density& s
 
 RegionIntegrator::Density RegionIntegrator::level_density(const ArcPoint& at) const {
   Density sum = Density::Zero();
-  double noise = 0.0;
-  for (const Branch& b : at.branches) {
-    add_sheet(b, b.at.pull_back(at.dq), sum);
-    noise += noise_of(carrier_, b);
-  }
+  for (const Branch& b : at.branches) add_sheet(b, b.at.pull_back(at.dq), sum);
   sum[kArea] = 0.5 * (at.q.x() * at.dq.y() - at.q.y() * at.dq.x());
-  sum[kNoise] = noise * at.dq.norm() / total_of(at.branches).gradient.norm();
+  sum[kNoise] = rounding_of_total(carrier_, at.branches) * at.dq.norm() /
+                total_of(at.branches).gradient.norm();
   sum.segment<2>(kClosing) = at.dq;
   return sum;
 }

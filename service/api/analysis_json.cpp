@@ -18,6 +18,22 @@ ordered_json estimate_json(const Estimate& of, double unit = 1.0) {
   return {{"value", of.value / unit}, {"error", of.error / unit}};
 }
 
+ordered_json extreme_json(const solver::Extreme& of, double metres) {
+  return {
+      {"value", of.E.value}, {"error", of.E.error}, {"uv", {of.q.x() / metres, of.q.y() / metres}}};
+}
+
+ordered_json max_json(const solver::Extreme& max, double metres) {
+  ordered_json out = extreme_json(max, metres);
+  if (max.unbounded) out["value"] = out["error"] = nullptr;
+  out["unbounded"] = max.unbounded;
+  return out;
+}
+
+ordered_json ratio_json(const std::optional<double>& ratio) {
+  return ratio ? ordered_json(*ratio) : ordered_json();
+}
+
 }  // namespace
 
 AnalysisCall read_analysis_call(std::string_view body) {
@@ -58,7 +74,11 @@ std::string analysis_answer(const AnalysisCall& call, const solver::Analysis& an
     warnings.push_back({{"code", code}, {"detail", detail}});
   return write_json(ordered_json{
       {"flux", estimate_json(analysis.flux)},
+      {"E_min", extreme_json(analysis.min, metres)},
       {"E_avg", estimate_json(analysis.average)},
+      {"E_max", max_json(analysis.max, metres)},
+      {"U0", ratio_json(analysis.min_to_average())},
+      {"Ud", ratio_json(analysis.min_to_max())},
       {"levels", std::move(levels)},
       {"completeness", {{"certified", false}, {"undecided_cells", analysis.undecided}}},
       {"warnings", std::move(warnings)}});

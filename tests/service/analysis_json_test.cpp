@@ -45,12 +45,36 @@ TEST(AnalysisCall, lengths_have_units_and_light_has_none) {
   EXPECT_NEAR(value(metres["flux"]), value(centimetres["flux"]), 1e-10);
   EXPECT_NEAR(value(metres["E_avg"]), value(metres["flux"]) / 144.0, 1e-15);
   EXPECT_NEAR(value(metres["E_avg"]), value(centimetres["E_avg"]), 1e-12);
+  EXPECT_NEAR(value(metres["E_max"]), value(centimetres["E_max"]), 1e-12);
+  EXPECT_EQ(metres["E_max"]["unbounded"], false);
+  EXPECT_NEAR(100 * metres["E_max"]["uv"][0].get<double>(), centimetres["E_max"]["uv"][0], 1e-3);
+  EXPECT_NEAR(metres["U0"].get<double>(), value(metres["E_min"]) / value(metres["E_avg"]), 1e-12);
+  EXPECT_NEAR(metres["Ud"].get<double>(), value(metres["E_min"]) / value(metres["E_max"]), 1e-12);
   for (const int i : {0, 1}) {
     const json &m = metres["levels"][i], &cm = centimetres["levels"][i];
     EXPECT_NEAR(1e4 * value(m["area"]), value(cm["area"]), 1e-3);
     EXPECT_NEAR(value(m["flux"]), value(cm["flux"]), 1e-10);
     EXPECT_GT(m["area"]["error"].get<double>(), 0.0);
   }
+}
+
+TEST(AnalysisCall, is_unbounded_on_a_caustic) {
+  json request = analysis_request();
+  json& scene = request["scene"];
+  scene["light"] = {{"type", "collimated"}, {"direction", {1, 0, -1}}, {"irradiance", 1}};
+  scene["surfaces"][0]["shape"] = {
+      {"type", "cylinder"}, {"point", {0, 0, 0}}, {"axis", {0, 0, 1}}, {"radius", 1}};
+  scene["surfaces"][0]["aperture"] = {
+      {{"type", "box"}, {"min", {0.5, -1, 0}}, {"max", {1.001, 1, 1}}}};
+  scene["receiver"]["origin"] = {0.5, 0, 0};
+  scene["receiver"]["size"] = {1.2, 1.2};
+  request["levels"] = {2};
+  const json answer = analysis(request);
+  EXPECT_EQ(answer["E_max"]["value"], nullptr);
+  EXPECT_EQ(answer["E_max"]["unbounded"], true);
+  EXPECT_EQ(answer["E_min"]["value"], 0.0);
+  EXPECT_EQ(answer["U0"], 0.0);
+  EXPECT_EQ(answer["Ud"], 0.0);
 }
 
 TEST(AnalysisCall, chooses_levels_that_are_not_given) {

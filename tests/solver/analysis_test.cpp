@@ -79,27 +79,38 @@ TEST(Analysis, OfABallUnderItsLamp) {
       expect_holds(level.area, kPi * radius(t) * radius(t), 1e-6);
       expect_holds(level.flux, 3.2 * kPi * (1.0 - std::cos(psi(t))), 1e-9);
     }
+    // Brightest under the lamp, where radius/ψ = 38, faintest in the corners.
+    const double corner = root_of([&](double t) { return radius(t) - std::sqrt(72.0); }, 0.01, 0.5);
+    expect_holds(analysis.max.E, 1.6 / (38.0 * 38.0), 1e-12);
+    EXPECT_LT(analysis.max.q.norm(), 1e-6);
+    expect_holds(analysis.min.E, E(corner), 1e-12);
+    EXPECT_NEAR(analysis.min.q.cwiseAbs().minCoeff(), 6.0, 1e-9);
+    EXPECT_NEAR(*analysis.min_to_max(), E(corner) * 38.0 * 38.0 / 1.6, 1e-9);
+    EXPECT_NEAR(*analysis.min_to_average(), E(corner) * 144.0 / analysis.flux.value, 1e-9);
   }
 }
 
-// Water z = 0.1 sin 2πx over a floor at −1, lit from above: all is a function of u.
+// Water z = 0.1 sin 2πx over a floor, lit from above: all is a function of u.
 class WaterWaves {
  public:
-  WaterWaves() {
+  explicit WaterWaves(double depth) : depth_(depth) {
+    const auto slope = [&](double x) { return this->slope(x); };
+    folds_.push_back(-1.0);
     for (int i = 0; i < 3000; ++i) {
       const double a = -1.0 + 1e-3 * i, b = a + 1e-3;
       if ((slope(a) > 0.0) != (slope(b) > 0.0)) folds_.push_back(root_of(slope, a, b));
     }
+    folds_.push_back(2.0);
   }
   /// Where the ray that meets the water at x arrives, and its derivative.
-  static double arrival(double x) {
+  double arrival(double x) const {
     const auto [tan, tan_x] = refracted(x);
-    return x + (1.0 + 0.1 * std::sin(2 * kPi * x)) * tan;
+    return x + (depth_ + 0.1 * std::sin(2 * kPi * x)) * tan;
   }
-  static double slope(double x) {
+  double slope(double x) const {
     const auto [tan, tan_x] = refracted(x);
     return 1.0 + 0.2 * kPi * std::cos(2 * kPi * x) * tan +
-           (1.0 + 0.1 * std::sin(2 * kPi * x)) * tan_x;
+           (depth_ + 0.1 * std::sin(2 * kPi * x)) * tan_x;
   }
   /// Between folds the map is monotone: its inverses at u.
   std::vector<double> places(double u) const {
@@ -125,7 +136,7 @@ class WaterWaves {
     std::sort(cuts.begin(), cuts.end());
     std::vector<std::pair<double, double>> found;
     for (std::size_t k = 0; k + 1 < cuts.size(); ++k) {
-      constexpr int kSamples = 60;
+      constexpr int kSamples = 40;
       // Denser towards the caustics, which the ends may be.
       const auto at = [&](int i) {
         const double s = std::sin(0.5 * kPi * (i + 0.5) / kSamples);
@@ -174,18 +185,23 @@ class WaterWaves {
     const double tan = std::tan(in - out);
     return {tan, (1.0 + tan * tan) * (in_x - out_x)};
   }
-  std::vector<double> folds_;
+  double depth_;
+  std::vector<double> folds_;  // and the ends
 };
 
-TEST(Analysis, OfWaterWavesIsOneDimensional) {
+OpticalSystem water_waves(double depth) {
   const auto surface =
       geometry::make_expression(geometry::read_expression("z-0.1*sin(6.283185307179586*x)", 1.0),
                                 {Point(-1, -1, -0.2), Point(2, 2, 0.2)}, {});
   auto water = test::mirror(surface.surface);
   water.optics = {.kind = Optics::Kind::refract, .index_outside = 1.0, .index_inside = 1.33};
-  const auto system = OpticalSystem::build(CollimatedLight{{0, 0, -1}, 1.0}, {water},
-                                           floor_at({0.5, 0.5, -1}, 1, 1));
-  const WaterWaves waves;
+  return OpticalSystem::build(CollimatedLight{{0, 0, -1}, 1.0}, {water},
+                              floor_at({0.5, 0.5, -depth}, 1, 1));
+}
+
+TEST(Analysis, OfWaterWavesIsOneDimensional) {
+  const auto system = water_waves(1.0);
+  const WaterWaves waves(1.0);
   const auto measures = [&](double level) {
     std::pair<double, double> sum{0.0, 0.0};
     for (const auto& [begin, end] : waves.strips(level, 0.0, 1.0)) {
@@ -194,14 +210,39 @@ TEST(Analysis, OfWaterWavesIsOneDimensional) {
     }
     return sum;
   };
+  const std::vector<double> levels{0.8, 1.5, 3.0, 10.0};
+  const double all = measures(1e-3).second;
+  std::vector<std::pair<double, double>> expected;
+  for (const double level : levels) expected.push_back(measures(level));
   for (const double chord : {1e-4, 1e-2}) {
-    const auto analysis = analysis_of(system, {0.8, 1.5, 3.0, 10.0}, chord);
-    expect_holds(analysis.flux, measures(1e-3).second, 1e-8);
-    for (const LevelAnalysis& level : analysis.levels) {
-      const auto [area, flux] = measures(level.level);
-      expect_holds(level.area, area, 1e-8);
-      expect_holds(level.flux, flux, 1e-8);
+    const auto analysis = analysis_of(system, levels, chord);
+    expect_holds(analysis.flux, all, 1e-8);
+    for (std::size_t i = 0; i < levels.size(); ++i) {
+      expect_holds(analysis.levels[i].area, expected[i].first, 1e-8);
+      expect_holds(analysis.levels[i].flux, expected[i].second, 1e-8);
     }
+  }
+}
+
+// Before light has met: no caustic, and extremes along lines across.
+TEST(Analysis, OfShallowWaterIsBounded) {
+  const WaterWaves waves(0.4);
+  double least = geometry::kInfinity, largest = 0.0;
+  for (int i = 0; i <= 5000; ++i) {
+    const double E = waves.irradiance(1e-9 + (1.0 - 2e-9) * i / 5000);
+    least = std::min(least, E);
+    largest = std::max(largest, E);
+  }
+  const auto analysis = analysis_of(water_waves(0.4), {0.9});
+  EXPECT_FALSE(analysis.max.unbounded);
+  // Samples are 2e-4 apart.
+  EXPECT_NEAR(analysis.min.E.value, least, 1e-6);
+  EXPECT_NEAR(analysis.max.E.value, largest, 1e-5);
+  EXPECT_LE(analysis.min.E.value, least + analysis.min.E.error);
+  EXPECT_GE(analysis.max.E.value, largest - analysis.max.E.error);
+  for (const Extreme& extreme : {analysis.min, analysis.max}) {
+    EXPECT_LE(extreme.E.error, 1e-9);
+    expect_holds(extreme.E, waves.irradiance(extreme.q.x() + 0.5), 1e-9);
   }
 }
 
@@ -292,6 +333,11 @@ TEST(Analysis, OfTheNephroidRing) {
   // The bands between levels make up all of it: nowhere is light fainter than 1e-6.
   EXPECT_NEAR(analysis.levels[0].flux.value, analysis.flux.value, 1e-9);
   EXPECT_LE(analysis.flux.error, 1e-8);
+  EXPECT_TRUE(analysis.max.unbounded);
+  EXPECT_TRUE(LightMeter(system, {}, false).at(analysis.max.q).on_caustic);
+  EXPECT_EQ(analysis.min.E.value, 0.0);
+  EXPECT_EQ(LightMeter(system, {}, false).at(analysis.min.q).E, 0.0);
+  EXPECT_EQ(analysis.min_to_max(), 0.0);
   for (const LevelAnalysis& level : analysis.levels) {
     EXPECT_LE(level.area.error, 1e-8);
     EXPECT_LE(level.flux.error, 1e-8);
@@ -326,6 +372,25 @@ TEST(Analysis, OfOverlappingPatches) {
     const double weight = (k == 0 ? 0.9 : 0.8) * area * std::abs(d.dot(n)) / std::pow(d.norm(), 3);
     return std::pair(Vec2(x.x() + tau * out.x(), x.y() + tau * out.y()), weight);
   });
+  // The largest total lies where both patches are: no reading is larger, and some come near.
+  LightMeter meter(system, {}, false);
+  double largest = 0.0;
+  for (int j = 0; j < 100; ++j) {
+    for (int i = 0; i < 100; ++i) {
+      largest = std::max(largest, meter.at({0.03 * i - 1.485, 0.03 * j - 1.485}).E);
+    }
+  }
+  EXPECT_GE(analysis.max.E.value + analysis.max.E.error, largest);
+  EXPECT_LE(analysis.max.E.value, 1.05 * largest);
+  // It is a corner of where they overlap, and read on one side of it only.
+  double beside = 0.0;
+  for (int k = 0; k < 16; ++k) {
+    const double angle = 2.0 * kPi * k / 16.0;
+    beside = std::max(beside,
+                      meter.at(analysis.max.q + 1e-6 * Vec2(std::cos(angle), std::sin(angle))).E);
+  }
+  EXPECT_NEAR(beside, analysis.max.E.value, 1e-5);
+  EXPECT_EQ(meter.at(analysis.min.q).E, 0.0);
 }
 
 TEST(Analysis, WhereNothingArrives) {
@@ -338,6 +403,8 @@ TEST(Analysis, WhereNothingArrives) {
   EXPECT_EQ(analysis.flux.value, 0.0);
   ASSERT_EQ(analysis.levels.size(), 2u);
   EXPECT_EQ(analysis.levels[1].area.value, 0.0);
+  EXPECT_EQ(analysis.max.E.value, 0.0);
+  EXPECT_FALSE(analysis.min_to_average());
 }
 
 TEST(Analysis, SaysWhatItLacks) {
