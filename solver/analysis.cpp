@@ -25,17 +25,12 @@ class Analyst final : public TotalObserver {
     out_.max = extremes.max;
   }
   void level_on_boundaries(double level, const LevelOnBoundaries& found) override {
-    finish_level();
-    out_.levels.push_back({level, {}, {}});
     integrator_->begin(level, found);
   }
   void level_arc(double, const LevelArc& arc) override { integrator_->add(arc); }
-
-  void finish_level() {
-    if (out_.levels.empty()) return;
+  void level_traced(double level) override {
     const RegionIntegrals region = integrator_->result();
-    out_.levels.back().area = region.area;
-    out_.levels.back().flux = region.flux;
+    out_.levels.push_back({level, region.area, region.flux});
     out_.undecided += region.unresolved;
   }
 
@@ -86,7 +81,6 @@ Analysis analyse(const OpticalSystem& system, ContourRequest request) {
   if (share_varies(system, result))
     out.unsupported = "the analysis of light that loses a share which varies with the angle";
   if (out.unsupported) return out;
-  analyst.finish_level();
   out.complete = result.complete;
   out.undecided += result.undecided_cells;
   out.warnings = result.warnings;

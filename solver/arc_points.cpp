@@ -8,9 +8,11 @@ namespace caustic::solver {
 namespace {
 
 constexpr int kMaxPointSteps = 12;
-// Newton's step after which the next is rounding, in chords, and the largest distance from the
+// Newton's step that need not be taken any more, in chords, and the largest distance from the
 // chord.
-constexpr double kLastStep = 1e-8;
+constexpr double kLastStep = 1e-12;
+// A step below this many chords that is not much shorter than the one before is rounding.
+constexpr double kRoundingStep = 1e-3;
 constexpr double kFurthestFromChord = 2.0;
 // A place on a boundary is where its chord's share says to this.
 constexpr double kShareResidual = 1e-14;
@@ -47,20 +49,23 @@ std::optional<ArcPoint> along_level(SheetCarrier& carrier, double level, const A
   if (!(std::abs(h) < kFurthestFromChord)) h = 0.0;
   ArcPoint at;
   at.branches = t < 0.5 ? a.branches : b.branches;
+  double last = geometry::kInfinity;
   for (int i = 0; i < kMaxPointSteps; ++i) {
-    at.q = a.q + t * chord + h * across;
-    if (!carrier.carry(at.branches, at.q)) return std::nullopt;
+    const Vec2 q = a.q + t * chord + h * across;
+    // What is left may be too short a way to be told from rounding.
+    const bool there = carrier.carry(at.branches, q);
+    if (!there && !(last < kRoundingStep)) return std::nullopt;
+    if (there) at.q = q;
     const Total total = total_of(at.branches);
     const double slope = total.gradient.dot(across), step = (level - total.E) / slope;
     if (!std::isfinite(step) || std::abs(h + step) > kFurthestFromChord) return std::nullopt;
+    const bool all_rounding = last < kRoundingStep && std::abs(step) > 0.5 * last;
+    if (!there || all_rounding || std::abs(step) <= kLastStep) {
+      at.dq = chord - (total.gradient.dot(chord) / slope) * across;
+      return at;
+    }
+    last = std::abs(step);
     h += step;
-    if (std::abs(step) > kLastStep) continue;
-    // Less than rounding is left, also of the derivatives, once this step is taken.
-    at.q += step * across;
-    if (!carrier.carry(at.branches, at.q)) return std::nullopt;
-    const Vec2 g = total_of(at.branches).gradient;
-    at.dq = chord - (g.dot(chord) / g.dot(across)) * across;
-    return at;
   }
   return std::nullopt;
 }

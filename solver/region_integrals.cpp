@@ -17,6 +17,7 @@ constexpr std::array<double, 5> kWeights{98.0 / 495.0, 27.0 / 55.0, 28.0 / 45.0,
 // A segment is halved until it is wrong by less than this share of the whole, or so often.
 constexpr double kSegmentShare = 1e-12;
 constexpr int kMaxHalvings = 12;
+constexpr double kNoiseFactor = 4.0;
 // Sums of terms of the size of the whole, each wrong by some roundings.
 constexpr double kSumRoundings = 8.0;
 
@@ -83,8 +84,11 @@ void RegionIntegrator::integrate(const DensityAt& density_at, double begin, doub
     if (k == 1 || k == 3) two += half * *at;
   }
   const Density error = (five - two).cwiseAbs();
-  if (depth < kMaxHalvings &&
-      (error[kArea] > kSegmentShare * area_scale_ || error[kFlux] > kSegmentShare * flux_scale_)) {
+  // Rounding does not become less by halving.
+  const double noise = kNoiseFactor * five[kNoise];
+  const bool rough = error[kArea] > kSegmentShare * area_scale_ + noise ||
+                     error[kFlux] > kSegmentShare * flux_scale_ + level_ * noise;
+  if (rough && depth < kMaxHalvings) {
     integrate(density_at, begin, begin + half, depth + 1);
     integrate(density_at, begin + half, end, depth + 1);
     return;

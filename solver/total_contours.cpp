@@ -166,6 +166,7 @@ void TotalTracer::trace(double level, int& rings) {
     take(tracer.follow(place->q, place->branches, ends), level, drawn);
   }
   result_.unresolved += ends.size() + grid_.undecided() - undecided;
+  if (observer_) observer_->level_traced(level);
 
   std::vector<RingArc> arcs;
   for (const Drawn& d : drawn) arcs.push_back(d.arc);

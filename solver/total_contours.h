@@ -25,12 +25,13 @@ struct TotalContours {
 class TotalObserver {
  public:
   virtual ~TotalObserver() = default;
-  /// Before the first level. All three stay as they are while levels are traced.
+  /// Before the first level. All three stay as they are until the last has been traced.
   virtual void boundaries(SheetCarrier& carrier, const std::vector<BoundaryCurve>& curves,
                           const BoundaryPieces& pieces) = 0;
   /// A level's nodes and parts of boundaries, then its arcs.
   virtual void level_on_boundaries(double level, const LevelOnBoundaries& found) = 0;
   virtual void level_arc(double level, const LevelArc& arc) = 0;
+  virtual void level_traced(double level) = 0;
 };
 
 /// `levels` ascending, W/m²; `chord` m; `residual` as for sheets. Fields must be explored; the
