@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "solver/contour_task.h"
+#include "solver/hidden_edges.h"
 
 namespace caustic::solver {
 
@@ -14,6 +16,26 @@ constexpr int kEdgeVertices = 64;
 
 // A chart's rim is on a boundary if it is so many roundings from it.
 constexpr double kRimRoundings = 100.0;
+
+// Beside a boundary visibility is asked so far from it, as a share of the scene.
+constexpr double kOpeningStep = 1e-6;
+
+// Places on a boundary: corners of cells that were clipped there, and of those whose chart ends
+// there.
+std::vector<Seed> seeds_on(const FamilyField& field, int boundary) {
+  std::vector<Seed> seeds;
+  for (const Cell& cell : field.exploration.cells) {
+    for (const Corner& corner : cell.polygon) {
+      const FieldPoint& f = field.exploration.samples[corner.sample];
+      const bool at_rim =
+          std::abs(field.domain.value(boundary, f)) <= kRimRoundings * field.map.rounding(f.x);
+      if (corner.boundary == boundary || at_rim) seeds.push_back({0, f, cell.radius});
+    }
+  }
+  return seeds;
+}
+
+}  // namespace
 
 BoundaryKind kind_of(Ending ending) {
   switch (ending) {
@@ -35,36 +57,9 @@ BoundaryKind kind_of(Ending ending) {
   return BoundaryKind::none;
 }
 
-// Places on a boundary: corners of cells that were clipped there, and of those whose chart ends
-// there.
-std::vector<Seed> seeds_on(const FamilyField& field, int boundary) {
-  std::vector<Seed> seeds;
-  for (const Cell& cell : field.exploration.cells) {
-    for (const Corner& corner : cell.polygon) {
-      const FieldPoint& f = field.exploration.samples[corner.sample];
-      const bool at_rim =
-          std::abs(field.domain.value(boundary, f)) <= kRimRoundings * field.map.rounding(f.x);
-      if (corner.boundary == boundary || at_rim) seeds.push_back({0, f, cell.radius});
-    }
-  }
-  return seeds;
-}
-
-BoundaryCurve curve_of(SheetCarrier& carrier, int field, BoundaryKind kind, int boundary,
-                       const Trace& trace) {
-  BoundaryCurve curve{kind, field, boundary, trace.closed, {}, {}};
-  for (std::size_t i = 0; i < trace.vertices.size(); ++i) {
-    const Hit* near = trace.hits.empty() ? nullptr : trace.hits[i].get();
-    curve.own.push_back(carrier.evaluator(field)(trace.vertices[i].x, near));
-    curve.q.push_back(curve.own.back().q);
-  }
-  return curve;
-}
-
-// Two boundaries may coincide, such as the rim of an aperture in the receiver's plane with that
-// plane.
-bool already_traced(const FamilyField& field, const BoundaryCurve& curve) {
-  for (int b = 0; b < curve.boundary; ++b) {
+bool coincides_with_domain(const FamilyField& field, const BoundaryCurve& curve) {
+  const int before = curve.edge ? field.domain.size() : curve.boundary;
+  for (int b = 0; b < before; ++b) {
     const bool on_it = std::all_of(curve.own.begin(), curve.own.end(), [&](const FieldPoint& f) {
       return std::abs(field.domain.value(b, f)) <= kRimRoundings * field.map.rounding(f.x);
     });
@@ -73,19 +68,53 @@ bool already_traced(const FamilyField& field, const BoundaryCurve& curve) {
   return false;
 }
 
-}  // namespace
+std::vector<BoundaryCurve> curves_along(SheetCarrier& carrier, int field, BoundaryKind kind,
+                                        const LevelFunction& function, std::vector<Seed> seeds,
+                                        Budget& budget, double chord, double residual) {
+  std::vector<BoundaryCurve> curves;
+  ContourTask task{&carrier.field(field), function, -1.0, std::move(seeds), false, {}, 0};
+  run(task, budget, chord, residual);
+  for (const Trace& trace : task.traces) {
+    BoundaryCurve curve{kind, field, function.boundary, trace.closed, {}, {}};
+    for (std::size_t i = 0; i < trace.vertices.size(); ++i) {
+      const Hit* near = trace.hits.empty() ? nullptr : trace.hits[i].get();
+      curve.own.push_back(carrier.evaluator(field)(trace.vertices[i].x, near));
+      curve.q.push_back(curve.own.back().q);
+    }
+    curves.push_back(std::move(curve));
+  }
+  return curves;
+}
+
+// A caustic's own sheets are on both of its sides, so the place itself tells.
+Opening opening_at(SheetCarrier& carrier, const BoundaryCurve& curve, const FieldPoint& at) {
+  const FamilyField& field = carrier.field(curve.field);
+  const auto visible = [&](const FieldPoint& f) {
+    return !field.visibility || !field.visibility->hidden(field.piece.hops, LightPath(field.map, f));
+  };
+  const Vec3 inside = -curve.function(field).gradient(at).normalized();
+  if (curve.kind == BoundaryKind::caustic) return {visible(at), inside};
+  const double step = kOpeningStep * carrier.system().diameter();
+  const auto beside = [&](double side) {
+    const FieldPoint f =
+        carrier.evaluator(curve.field).on_surface(at.x + side * step * inside, at.hits.get());
+    return f.arrives() && visible(f);
+  };
+  const bool ahead = beside(1.0);
+  if (!curve.edge) return {ahead, inside};
+  return {ahead != beside(-1.0), ahead ? inside : Vec3(-inside)};
+}
 
 std::vector<BoundaryCurve> trace_boundaries(SheetCarrier& carrier, Budget& budget, double chord,
                                             double residual) {
   std::vector<BoundaryCurve> curves;
   for (int i = 0; i < carrier.field_count(); ++i) {
     const FamilyField& field = carrier.field(i);
-    const auto trace = [&](LevelFunction level, BoundaryKind kind, std::vector<Seed> seeds) {
-      ContourTask task{&field, level, -1.0, std::move(seeds), false, {}, 0};
-      run(task, budget, chord, residual);
-      for (const Trace& t : task.traces) {
-        BoundaryCurve curve = curve_of(carrier, i, kind, level.boundary, t);
-        if (!already_traced(field, curve)) curves.push_back(std::move(curve));
+    std::vector<BoundaryCurve> own;
+    const auto trace = [&](LevelFunction function, BoundaryKind kind, std::vector<Seed> seeds) {
+      for (BoundaryCurve& curve :
+           curves_along(carrier, i, kind, function, std::move(seeds), budget, chord, residual)) {
+        if (!coincides_with_domain(field, curve)) own.push_back(std::move(curve));
       }
     };
     Exploration exploration = field.exploration;
@@ -97,6 +126,8 @@ std::vector<BoundaryCurve> trace_boundaries(SheetCarrier& carrier, Budget& budge
       if (kind == BoundaryKind::receiver) continue;
       trace(LevelFunction::boundary_of(field.domain, b), kind, seeds_on(field, b));
     }
+    if (field.visibility) add_hidden_edges(carrier, i, own, budget, chord, residual);
+    std::move(own.begin(), own.end(), std::back_inserter(curves));
   }
   const Vec2 half = carrier.system().receiver().half;
   const Vec2 corners[4] = {

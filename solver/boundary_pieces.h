@@ -1,23 +1,11 @@
-// Boundary curves cut where their images cross, fold or meet the caustic, so that along each piece
-// the number of sheets on either side is constant; with the totals on both sides (S52), (S53).
+// The pieces between the cuts of boundary curves, with the totals on both sides (S53).
 #pragma once
 
-#include <optional>
 #include <vector>
 
-#include "solver/boundary_curves.h"
+#include "solver/boundary_cuts.h"
 
 namespace caustic::solver {
-
-/// A place on a boundary curve.
-struct BoundaryPlace {
-  Vec2 q;
-  FieldPoint own;  ///< meaningless on the receiver's edges
-};
-
-/// The place on the curve next to a place near it.
-std::optional<BoundaryPlace> settle_on(SheetCarrier& carrier, const BoundaryCurve& curve,
-                                       const BoundaryPlace& near);
 
 /// A place with all sheets but the one, or the pair, that ends there.
 struct BoundaryVertex {
@@ -43,6 +31,7 @@ struct BoundaryPieces {
   std::size_t unresolved = 0;  ///< pieces whose totals could not be followed
 };
 
+/// Leaves out what is no boundary because the sheets that would begin there are hidden.
 BoundaryPieces cut_boundaries(SheetCarrier& carrier, const std::vector<BoundaryCurve>& curves,
                               Budget& budget);
 

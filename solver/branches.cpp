@@ -31,7 +31,14 @@ SheetCarrier::SheetCarrier(const OpticalSystem& system, std::vector<const Family
   for (const FamilyField* field : fields_) {
     evaluators_.push_back(std::make_unique<Evaluator>(field->map, budget));
     locators_.emplace_back(*field);
+    lookouts_.emplace_back();
+    if (field->visibility) lookouts_.back().emplace(*field->visibility, field->piece.hops);
   }
+}
+
+bool SheetCarrier::hidden(int field, const FieldPoint& at) {
+  auto& lookout = lookouts_[field];
+  return lookout && lookout->hidden(LightPath(fields_[field]->map, at));
 }
 
 // (S50): x moves by J dq, J dq = M⁻¹ dq in the tangent frame, until q(x) has arrived.
@@ -94,7 +101,9 @@ bool SheetCarrier::carry(Branches& branches, const Vec2& to) {
 Branches SheetCarrier::find(const Vec2& q) {
   Branches found;
   for (int i = 0; i < field_count() && !budget_.exhausted(); ++i) {
-    for (FieldPoint& at : locators_[i].at(q, *evaluators_[i])) found.push_back({i, std::move(at)});
+    for (FieldPoint& at : locators_[i].at(q, *evaluators_[i])) {
+      if (!hidden(i, at)) found.push_back({i, std::move(at)});
+    }
   }
   return found;
 }

@@ -26,7 +26,7 @@ Total total_of(const Branches& branches);
 /// The fields of a request with what it takes to move on them. Not thread-safe.
 class SheetCarrier {
  public:
-  /// `fields` are explored, of families of one hop whose light nothing hides; they must outlive it.
+  /// `fields` are explored, of families of one hop; they must outlive it.
   SheetCarrier(const OpticalSystem& system, std::vector<const FamilyField*> fields, Budget& budget);
 
   const FamilyField& field(int i) const { return *fields_[i]; }
@@ -40,7 +40,10 @@ class SheetCarrier {
   /// Carries all, or leaves them as they are and returns false.
   bool carry(Branches& branches, const Vec2& to);
 
-  /// All paths to q, found anew; none once the budget is exhausted.
+  /// True if something hides the path at this point.
+  bool hidden(int field, const FieldPoint& at);
+
+  /// All paths to q that nothing hides, found anew; none once the budget is exhausted.
   Branches find(const Vec2& q);
 
  private:
@@ -50,6 +53,7 @@ class SheetCarrier {
   std::vector<const FamilyField*> fields_;
   std::vector<std::unique_ptr<Evaluator>> evaluators_;
   std::vector<SheetLocator> locators_;
+  std::vector<std::optional<Lookout>> lookouts_;  // of fields of which something may be hidden
   Budget& budget_;
 };
 

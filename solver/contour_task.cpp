@@ -154,7 +154,8 @@ std::optional<FieldPoint> settle(const Seed& seed, Evaluator& evaluate, const Do
   // within the slice that the chord cuts off.
   CorrectorOptions within_slice = options;
   within_slice.trust = 2.0 * seed.reach;
-  f = correct_at_end(evaluate, level, domain, worst.boundary, f->x, within_slice, f->hits.get());
+  f = correct_at_end(evaluate, level,
+                     LevelFunction::boundary_of(domain, worst.boundary), f->x, within_slice, f->hits.get());
   const double steep = f ? domain.gradient(worst.boundary, *f).norm() : 0.0;
   if (!f || domain.worst(*f).value > slack * (1.0 + steep)) return std::nullopt;
   return f;

@@ -49,17 +49,17 @@ std::optional<FieldPoint> correct(Evaluator& evaluate, const LevelFunction& f,
 }
 
 std::optional<FieldPoint> correct_at_end(Evaluator& evaluate, const LevelFunction& f,
-                                         const Domain& domain, int end, const Point& x,
+                                         const LevelFunction& end, const Point& x,
                                          const CorrectorOptions& options, const Hit* near) {
   FieldPoint at = evaluate.on_surface(x, near);
   double previous = geometry::kInfinity;
   for (int i = 0; i < kMaxSteps; ++i) {
     if (!at.finite || (at.x - x).norm() > options.trust) return std::nullopt;
-    const double rounding = evaluate.map().rounding(at.x), h = domain.value(end, at);
+    const double rounding = evaluate.map().rounding(at.x), h = end.value(at);
     const double floor = kRoundings * f.residual_of_rounding(at, rounding);
     const bool on_curve = f.residual(at) <= std::max(options.residual, floor);
     // Two equations for the step's coordinates along e1, e2.
-    const Vec3 df = f.gradient(at), dh = domain.gradient(end, at);
+    const Vec3 df = f.gradient(at), dh = end.gradient(at);
     geometry::Mat2 K;
     K << df.dot(at.e1), df.dot(at.e2), dh.dot(at.e1), dh.dot(at.e2);
     if (floor > kUndetermined && on_curve) return std::nullopt;

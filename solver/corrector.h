@@ -30,9 +30,9 @@ std::optional<FieldPoint> correct(Evaluator& evaluate, const LevelFunction& f, c
 std::optional<FieldPoint> correct(Evaluator& evaluate, const LevelFunction& f,
                                   const FieldPoint& start, const CorrectorOptions& options);
 
-/// The point next to x where the curve crosses the domain's boundary number `end`.
+/// The point next to x where both functions vanish.
 std::optional<FieldPoint> correct_at_end(Evaluator& evaluate, const LevelFunction& f,
-                                         const Domain& domain, int end, const Point& x,
+                                         const LevelFunction& h, const Point& x,
                                          const CorrectorOptions& options,
                                          const Hit* near = nullptr);
 

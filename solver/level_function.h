@@ -1,10 +1,11 @@
 // What a curve is the zero of: f = a − kρσ on the first surface (S9), k = parity/E₀, the caustic being
-// k = 0; or the function h of one of the domain's boundaries (S12).
+// k = 0; or the function h of one of the domain's boundaries (S12) or of the edge of what hides (S56).
 #pragma once
 
 #include <cmath>
 
 #include "solver/domain.h"
+#include "solver/hidden_edge.h"
 
 namespace caustic::solver {
 
@@ -12,19 +13,23 @@ struct LevelFunction {
   double k = 0.0;
   const Domain* domain = nullptr;  ///< of a boundary; must outlive this
   int boundary = -1;
+  const HiddenEdge* edge = nullptr;  ///< must outlive this
 
   static LevelFunction isolux(double level, int parity) { return {parity / level}; }
   static LevelFunction caustic() { return {0.0}; }
   static LevelFunction boundary_of(const Domain& domain, int i) { return {0.0, &domain, i}; }
+  static LevelFunction edge_of(const HiddenEdge& edge) { return {0.0, nullptr, -1, &edge}; }
 
   bool is_isolux() const { return k != 0.0; }
-  bool is_boundary() const { return boundary >= 0; }
+  bool is_boundary() const { return boundary >= 0 || edge; }
   bool is_caustic() const { return !is_isolux() && !is_boundary(); }
 
   double value(const FieldPoint& f) const {
+    if (edge) return edge->value(f);
     return is_boundary() ? domain->value(boundary, f) : f.a - k * f.flux;
   }
   Vec3 gradient(const FieldPoint& f) const {
+    if (edge) return edge->gradient(f);
     if (!is_boundary()) return f.grad_a - k * f.grad_flux;
     const Vec3 slope = domain->gradient(boundary, f);
     return slope - f.n * f.n.dot(slope);
@@ -48,6 +53,7 @@ struct LevelFunction {
 
  private:
   double unit(const FieldPoint& f) const {
+    if (edge) return edge->map().receiver().width();
     return is_boundary() ? domain->map().receiver().width() : f.scale_of_a();
   }
 };

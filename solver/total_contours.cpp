@@ -12,8 +12,6 @@ namespace {
 
 // Ends of arcs this near, in widths of the receiver, meet.
 constexpr double kJoinShare = 1e-7;
-// Nearer than this share of the receiver's width to its end a family's domain is a rim.
-constexpr double kRimShare = 1e-6;
 
 // What an arc has in the answer.
 struct Drawn {
@@ -36,10 +34,6 @@ class TotalTracer {
         grid_(carrier_) {
     result_.unresolved = pieces_.unresolved;
     if (observer_) observer_->boundaries(carrier_, curves_, pieces_);
-    for (const FamilyField* field : fields) {
-      lookouts_.emplace_back();
-      if (field->visibility) lookouts_.back().emplace(*field->visibility, field->piece.hops);
-    }
   }
 
   TotalContours run(const std::vector<double>& levels) {
@@ -48,13 +42,13 @@ class TotalTracer {
       if (budget_.exhausted()) break;
       trace(level, rings);
     }
-    result_.unresolved += hidden_;
     return std::move(result_);
   }
 
  private:
   void trace(double level, int& rings);
   void take(LevelArc arc, double level, std::vector<Drawn>& drawn);
+  bool hidden_on(const LevelArc& arc);
   void take(const JumpArc& jump, double level, std::vector<Drawn>& drawn);
   void take(Curve curve, std::vector<Drawn>& drawn);
   CurveVertex vertex(const Vec2& q, const Branches& branches);
@@ -67,8 +61,6 @@ class TotalTracer {
   std::vector<BoundaryCurve> curves_;
   BoundaryPieces pieces_;
   TotalGrid grid_;
-  std::vector<std::optional<Lookout>> lookouts_;  // of fields of which something might be hidden
-  bool hidden_ = false;
   TotalContours result_;
 };
 
@@ -80,8 +72,6 @@ CurveVertex TotalTracer::vertex(const Vec2& q, const Branches& branches) {
   v.gradient = Vec3::Zero();
   const FieldPoint* brightest = nullptr;
   for (const Branch& b : branches) {
-    auto& lookout = lookouts_[b.field];
-    hidden_ |= lookout && lookout->hidden(LightPath(carrier_.field(b.field).map, b.at));
     if (!brightest || b.at.irradiance() > brightest->irradiance()) brightest = &b.at;
   }
   v.x = brightest ? brightest->x : v.p;
@@ -109,9 +99,20 @@ void TotalTracer::take(Curve curve, std::vector<Drawn>& drawn) {
   drawn.push_back({std::move(curve), arc});
 }
 
+// A check of the edges of what hides: between its ends an arc must not pass one.
+bool TotalTracer::hidden_on(const LevelArc& arc) {
+  for (std::size_t i = 1; i + 1 < arc.vertices.size(); ++i) {
+    for (const Branch& b : arc.vertices[i].branches) {
+      if (carrier_.hidden(b.field, b.at)) return true;
+    }
+  }
+  return false;
+}
+
 void TotalTracer::take(LevelArc arc, double level, std::vector<Drawn>& drawn) {
   result_.unresolved += arc.stalled;
   if (arc.vertices.size() < 2) return;
+  result_.unresolved += hidden_on(arc);
   if (observer_) observer_->level_arc(level, arc);
   Curve curve;
   curve.kind = CurveKind::isolux;
@@ -182,28 +183,6 @@ void TotalTracer::trace(double level, int& rings) {
 
 }  // namespace
 
-namespace {
-
-// Samples outside the domain may be hidden, and those on its rim touch what they would meet beyond.
-bool hides_light(const FamilyField& field) {
-  const double rim = kRimShare * field.map.receiver().width();
-  for (const Cell& cell : field.exploration.cells) {
-    if (cell.hidden == 0.0) continue;
-    const auto hidden = [&](int sample) {
-      const FieldPoint& f = field.exploration.samples[sample];
-      return f.arrives() && field.domain.worst(f).value < -rim &&
-             field.visibility->hidden(field.piece.hops, LightPath(field.map, f));
-    };
-    if (hidden(cell.center)) return true;
-    for (const Corner& corner : cell.polygon) {
-      if (hidden(corner.sample)) return true;
-    }
-  }
-  return false;
-}
-
-}  // namespace
-
 std::optional<std::string> total_unsupported(const std::vector<const FamilyField*>& fields) {
   for (const FamilyField* field : fields) {
     if (field->map.hop_count() > 1) return "the total of families of several bounces";
@@ -211,7 +190,6 @@ std::optional<std::string> total_unsupported(const std::vector<const FamilyField
       if (field->domain.ending(b) == Ending::total_internal_reflection)
         return "the total next to total internal reflection";
     }
-    if (hides_light(*field)) return "the total where surfaces hide light";
   }
   return std::nullopt;
 }

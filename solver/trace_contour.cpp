@@ -317,7 +317,7 @@ FieldPoint Tracer::end_between(int i, const Node& a, const Node& b) {
       h, [&](double, double value) { return std::abs(value) <= near; }, a.s, b.s, ha,
       domain_.value(i, b.f));
   const auto end =
-      correct_at_end(evaluate_, level_, domain_, i, predictor_.at(s / step_),
+      correct_at_end(evaluate_, level_, LevelFunction::boundary_of(domain_, i), predictor_.at(s / step_),
                      {options_.residual, geometry::kInfinity, length}, inside.f.hits.get());
   if (end) return *end;
   // As near as the corrector gets to the place where all levels meet.

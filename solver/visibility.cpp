@@ -70,32 +70,40 @@ double total(const Sight::Use& use) { return use.by_begin + use.by_end; }
 
 }  // namespace
 
-Sight Visibility::look(const Hops& hops, const LightPath& path) const {
-  const Point& x = path.x();
-  Segment to_light{{x, Vec3::Zero()}, 1.0 - kLightEndShare, false, hops[0].surface};
+// From the light to the first surface, looked at the other way; then as light goes.
+Visibility::Way Visibility::way(const Hops& hops, const LightPath& path) const {
+  Segment to_light{{path.x(), Vec3::Zero()}, 1.0 - kLightEndShare, false, hops[0].surface};
   if (const auto* point = std::get_if<PointLight>(&system_.light())) {
-    to_light.ray.direction = point->position - x;
+    to_light.ray.direction = point->position - path.x();
   } else {
     // Far enough to have passed every surface.
     double reach = 0.0;
     for (const auto& s : system_.surfaces()) {
-      reach = std::max(reach, (s.region.center() - x).norm() + s.region.diagonal());
+      reach = std::max(reach, (s.region.center() - path.x()).norm() + s.region.diagonal());
     }
     to_light.ray.direction = -reach * std::get<CollimatedLight>(system_.light()).direction;
   }
-  const Room lit = room(to_light);
+  Way way{{to_light}, 1};
+  for (std::size_t j = 0; j < hops.size(); ++j) {
+    const bool last = j + 1 == hops.size();
+    way.segments[way.count++] = {{path.at[j], path.at[j + 1] - path.at[j]},
+                                 1.0 - kReceiverEndShare,
+                                 true,
+                                 hops[j].surface,
+                                 last ? -1 : hops[j + 1].surface};
+  }
+  return way;
+}
+
+Sight Visibility::look(const Hops& hops, const LightPath& path) const {
+  const Way light = way(hops, path);
+  const Room lit = room(light.segments[0]);
   Sight sight{lit.hidden, Ending::shadow, {}};
   sight.use[0].by_end = lit.use.by_begin;  // that segment was looked along the other way
   double least = total(lit.use);
   // Hidden for as long as one segment is: the one that is so the furthest.
-  for (std::size_t j = 0; j < hops.size(); ++j) {
-    const bool last = j + 1 == hops.size();
-    const Segment on{{path.at[j], path.at[j + 1] - path.at[j]},
-                     1.0 - kReceiverEndShare,
-                     true,
-                     hops[j].surface,
-                     last ? -1 : hops[j + 1].surface};
-    const Room seen = room(on);
+  for (int j = 1; j < light.count; ++j) {
+    const Room seen = room(light.segments[j]);
     if (seen.hidden && !sight.hidden) {
       sight = {true, Ending::occlusion, {}};
       least = geometry::kInfinity;
@@ -105,9 +113,55 @@ Sight Visibility::look(const Hops& hops, const LightPath& path) const {
       sight.use = {};
       least = total(seen.use);
     }
-    sight.use[j + 1] = seen.use;
+    sight.use[j] = seen.use;
   }
   return sight;
+}
+
+std::vector<Visibility::Meeting> Visibility::meetings(const Hops& hops,
+                                                      const LightPath& path) const {
+  std::vector<Meeting> all;
+  const Way light = way(hops, path);
+  RayParameters roots;
+  for (int j = 0; j < light.count; ++j) {
+    const Segment& segment = light.segments[j];
+    for (int i = 0; i < static_cast<int>(system_.surfaces().size()); ++i) {
+      roots.clear();
+      if (!free_of_own(segment, i)) crossings(segment, i, roots);
+      for (const double t : roots) {
+        if (!(t > 0.0 && t < segment.end)) continue;
+        const Point y = segment.ray.at(t);
+        all.push_back({j, i, y, margin_of(system_.surfaces()[i].bounds, y)});
+      }
+    }
+  }
+  return all;
+}
+
+// Inside a convex surface the way from it to the light is free.
+bool Visibility::free_of_own(const Segment& segment, int surface) const {
+  if (surface != segment.own || segment.end_moves) return false;
+  const auto& shape = *system_.surfaces()[surface].shape;
+  return shape.convex(shape.value(segment.ray.at(1.0)) < 0.0 ? 1 : -1);
+}
+
+// All but the one crossing where the segment begins, or ends, which is not in its way.
+void Visibility::crossings(const Segment& segment, int index, RayParameters& roots) const {
+  const Ray& ray = segment.ray;
+  const bool own = index == segment.own, target = index == segment.target;
+  const double near = kOwnShare + kOwnRoundings * geometry::kEpsilon *
+                                      (ray.origin.cwiseAbs().maxCoeff() + system_.diameter()) /
+                                      ray.direction.norm();
+  system_.surfaces()[index].shape->crossings(ray, own ? -near : 0.0, target ? 1.0 + near : 1.0,
+                                             roots);
+  const auto erase_at = [&](double t) {
+    const auto nearest = std::min_element(roots.begin(), roots.end(), [t](double a, double b) {
+      return std::abs(a - t) < std::abs(b - t);
+    });
+    if (nearest != roots.end() && std::abs(*nearest - t) <= near) roots.erase(nearest);
+  };
+  if (own) erase_at(0.0);
+  if (target) erase_at(1.0);
 }
 
 Visibility::Room Visibility::room(const Segment& segment) const {
@@ -139,27 +193,12 @@ Visibility::Room Visibility::room(const Segment& segment, int index) const {
   const Ray& ray = segment.ray;
   const bool own = index == segment.own, target = index == segment.target;
   if (!own && !region.may_meet(ray, margin_)) return {false, {1.0 / margin_, 1.0 / margin_}};
-  // Inside a convex surface the way from it to the light is free.
-  if (own && !segment.end_moves && shape->convex(shape->value(ray.at(1.0)) < 0.0 ? 1 : -1)) {
-    return {};
-  }
+  if (free_of_own(segment, index)) return {};
   thread_local RayParameters roots, still;
   roots.clear();
   still.clear();
   const double length = ray.direction.norm();
-  const double near = kOwnShare + kOwnRoundings * geometry::kEpsilon *
-                                      (ray.origin.cwiseAbs().maxCoeff() + system_.diameter()) /
-                                      length;
-  shape->crossings(ray, own ? -near : 0.0, target ? 1.0 + near : 1.0, roots);
-  // The one crossing where the segment begins, or ends, is not in its way.
-  const auto erase_at = [&](double t) {
-    const auto nearest = std::min_element(roots.begin(), roots.end(), [t](double a, double b) {
-      return std::abs(a - t) < std::abs(b - t);
-    });
-    if (nearest != roots.end() && std::abs(*nearest - t) <= near) roots.erase(nearest);
-  };
-  if (own) erase_at(0.0);
-  if (target) erase_at(1.0);
+  crossings(segment, index, roots);
   shape->stationary(ray, 0.0, 1.0, still);
 
   // A place on the segment: how far the surface is, and how far the aperture's edge.

@@ -55,6 +55,16 @@ class Visibility {
   Sight look(const Hops& hops, const LightPath& path) const;
   bool hidden(const Hops& hops, const LightPath& path) const { return look(hops, path).hidden; }
 
+  /// A place where a path meets a surface that is not the one it goes to.
+  struct Meeting {
+    int segment;  ///< 0 from the light to the first surface, and so on
+    int surface;
+    Point y;
+    double margin;  ///< distance from the aperture's edge, m; ≤ 0 where the surface exists
+  };
+  /// All of them, also where surfaces do not exist.
+  std::vector<Meeting> meetings(const Hops& hops, const LightPath& path) const;
+
  private:
   struct Segment {
     geometry::Ray ray;  // t in [0, 1]
@@ -67,6 +77,13 @@ class Visibility {
     bool hidden = false;
     Sight::Use use;  // of the segment's own beginning and end
   };
+  struct Way {
+    std::array<Segment, kMaxHops + 1> segments;
+    int count = 0;
+  };
+  Way way(const Hops& hops, const LightPath& path) const;
+  bool free_of_own(const Segment& segment, int surface) const;
+  void crossings(const Segment& segment, int surface, geometry::RayParameters& out) const;
   Room room(const Segment& segment) const;
   Room room(const Segment& segment, int surface) const;
 

@@ -1,0 +1,234 @@
+#include "solver/hidden_edges.h"
+
+#include <cmath>
+#include <optional>
+
+#include "solver/corrector.h"
+
+namespace caustic::solver {
+
+namespace {
+
+// Before a bracket tells what hides it is halved so many times, and again where that failed.
+constexpr int kNarrowings = 10;
+constexpr int kNarrowingRounds = 4;
+// A corner is located to this share of the scene, and looked for on a circle so much larger.
+constexpr double kCornerPlace = 1e-6;
+constexpr double kCircle = 30.0;
+constexpr int kCirclePlaces = 24;
+// What an edge remembers lies this share of the cell that it was found in apart.
+constexpr double kMemorySpacing = 0.1;
+// Newton's way to an edge, in lengths of its bracket.
+constexpr double kBracketTrust = 3.0;
+
+// Neighbouring places with an edge between them.
+struct Bracket {
+  FieldPoint visible, hidden;
+  double reach;  // size of the cell, m
+};
+
+class HiddenEdgeFinder {
+ public:
+  HiddenEdgeFinder(SheetCarrier& carrier, int field, std::vector<BoundaryCurve>& curves,
+                   Budget& budget, double chord, double residual)
+      : carrier_(carrier),
+        index_(field),
+        field_(carrier.field(field)),
+        evaluate_(carrier.evaluator(field)),
+        curves_(curves),
+        budget_(budget),
+        chord_(chord),
+        residual_(residual),
+        diameter_(carrier.system().diameter()) {}
+
+  void run() {
+    add_brackets_of_cells();
+    const std::size_t given = curves_.size();
+    for (std::size_t c = 0; c < given; ++c) walk(c);
+    std::size_t walked = given;
+    for (std::size_t b = 0; b < brackets_.size() && !budget_.exhausted(); ++b) {
+      take(Bracket(brackets_[b]));
+      for (; walked < curves_.size(); ++walked) walk(walked);
+    }
+  }
+
+ private:
+  bool hidden(const FieldPoint& f) const {
+    return field_.visibility->hidden(field_.piece.hops, LightPath(field_.map, f));
+  }
+  void add_brackets_of_cells();
+  void add_brackets_around(const FieldPoint& corner);
+  void walk(std::size_t c);
+  void take(Bracket bracket);
+  void narrow(Bracket& bracket);
+  bool known(const Bracket& bracket) const;
+  std::vector<std::shared_ptr<HiddenEdge>> candidates(const Bracket& bracket) const;
+  bool trace(const std::shared_ptr<HiddenEdge>& edge, const Bracket& bracket);
+
+  SheetCarrier& carrier_;
+  int index_;
+  const FamilyField& field_;
+  Evaluator& evaluate_;
+  std::vector<BoundaryCurve>& curves_;
+  Budget& budget_;
+  double chord_, residual_, diameter_;
+  std::vector<Bracket> brackets_;
+};
+
+void HiddenEdgeFinder::add_brackets_of_cells() {
+  const Exploration& e = field_.exploration;
+  enum : char { unknown, seen, unseen, nowhere };
+  std::vector<char> status(e.samples.size(), unknown);
+  const auto look = [&](int sample) {
+    const FieldPoint& f = e.samples[sample];
+    if (status[sample] != unknown) return status[sample];
+    const bool there = f.arrives() && f.lit() && field_.domain.worst(f).value <= 0.0;
+    return status[sample] = there ? (hidden(f) ? unseen : seen) : nowhere;
+  };
+  for (const Cell& cell : e.cells) {
+    if (cell.hidden == 0.0 || budget_.exhausted()) continue;
+    const auto edge = [&](int a, int b) {
+      const char at_a = look(a), at_b = look(b);
+      if (at_a == seen && at_b == unseen) brackets_.push_back({e.samples[a], e.samples[b], cell.radius});
+      if (at_b == seen && at_a == unseen) brackets_.push_back({e.samples[b], e.samples[a], cell.radius});
+    };
+    for (std::size_t i = 0; i < cell.polygon.size(); ++i) {
+      edge(cell.polygon[i].sample, cell.polygon[(i + 1) % cell.polygon.size()].sample);
+      edge(cell.polygon[i].sample, cell.center);
+    }
+  }
+}
+
+// A small circle about a corner is met by the edges that leave it.
+void HiddenEdgeFinder::add_brackets_around(const FieldPoint& corner) {
+  const double radius = kCircle * kCornerPlace * diameter_;
+  std::vector<std::pair<FieldPoint, bool>> circle;  // hidden or not
+  for (int k = 0; k <= kCirclePlaces; ++k) {
+    const double phi = 2.0 * geometry::kPi * k / kCirclePlaces;
+    const Vec3 step = radius * (std::cos(phi) * corner.e1 + std::sin(phi) * corner.e2);
+    FieldPoint f = evaluate_.on_surface(corner.x + step, corner.hits.get());
+    if (!f.lit() || !field_.domain.contains(f)) {
+      circle.clear();
+      continue;
+    }
+    const bool is_hidden = hidden(f);
+    if (!circle.empty() && circle.back().second != is_hidden) {
+      const FieldPoint& before = circle.back().first;
+      brackets_.push_back(is_hidden ? Bracket{before, f, radius} : Bracket{f, before, radius});
+    }
+    circle.assign(1, {std::move(f), is_hidden});
+  }
+}
+
+// Corners are where along a curve it begins or ceases to bound what is seen.
+void HiddenEdgeFinder::walk(std::size_t c) {
+  const BoundaryCurve curve = curves_[c];
+  const std::size_t n = curve.own.size();
+  bool before = opening_at(carrier_, curve, curve.own.front()).real;
+  for (std::size_t i = 0; i + 1 < n + curve.closed && !budget_.exhausted(); ++i) {
+    const std::size_t next = (i + 1) % n;
+    const bool after = opening_at(carrier_, curve, curve.own[next]).real;
+    if (before != after) {
+      FieldPoint a = curve.own[i], b = curve.own[next];
+      for (int k = 0; k < 60 && (b.x - a.x).norm() > kCornerPlace * diameter_; ++k) {
+        const auto middle = correct(evaluate_, curve.function(field_), 0.5 * (a.x + b.x), {residual_},
+                                    a.hits.get());
+        if (!middle) break;
+        (opening_at(carrier_, curve, *middle).real == before ? a : b) = *middle;
+      }
+      add_brackets_around(a);
+    }
+    before = after;
+  }
+}
+
+void HiddenEdgeFinder::narrow(Bracket& bracket) {
+  for (int k = 0; k < kNarrowings; ++k) {
+    FieldPoint middle = evaluate_.on_surface(0.5 * (bracket.visible.x + bracket.hidden.x),
+                                             bracket.visible.hits.get());
+    if (!middle.arrives()) return;
+    (hidden(middle) ? bracket.hidden : bracket.visible) = std::move(middle);
+  }
+}
+
+// Does an edge that has been traced pass between?
+bool HiddenEdgeFinder::known(const Bracket& bracket) const {
+  const Point middle = 0.5 * (bracket.visible.x + bracket.hidden.x);
+  const double length = (bracket.visible.x - bracket.hidden.x).norm();
+  for (const BoundaryCurve& curve : curves_) {
+    if (!curve.edge) continue;
+    const std::size_t n = curve.own.size();
+    bool near = false;
+    for (std::size_t i = 0; i + 1 < n + curve.closed && !near; ++i) {
+      const Point &a = curve.own[i].x, &b = curve.own[(i + 1) % n].x;
+      const double reach = 0.6 * (b - a).norm() + length;
+      near = (0.5 * (a + b) - middle).squaredNorm() <= reach * reach;
+    }
+    if (near && curve.edge->value(bracket.visible) * curve.edge->value(bracket.hidden) <= 0.0)
+      return true;
+  }
+  return false;
+}
+
+// What may be about to hide the path: each way in which each surface that hides the one may.
+std::vector<std::shared_ptr<HiddenEdge>> HiddenEdgeFinder::candidates(
+    const Bracket& bracket) const {
+  std::vector<std::shared_ptr<HiddenEdge>> all;
+  const auto& surfaces = carrier_.system().surfaces();
+  const Hops& hops = field_.piece.hops;
+  const int last = static_cast<int>(hops.size()) + 1;
+  for (const auto& m : field_.visibility->meetings(hops, LightPath(field_.map, bracket.hidden))) {
+    if (m.margin > 0.0) continue;
+    const auto add = [&](Hiding hiding) {
+      auto edge = std::make_shared<HiddenEdge>(field_.map, hiding, bracket.hidden, m.y,
+                                               kMemorySpacing * bracket.reach);
+      if (edge->value(bracket.visible) * edge->value(bracket.hidden) <= 0.0)
+        all.push_back(std::move(edge));
+    };
+    for (const auto& bound : surfaces[m.surface].bounds)
+      add({Hiding::Kind::rim, m.segment, m.surface, &bound});
+    add({Hiding::Kind::touch, m.segment, m.surface});
+    for (const int k : {m.segment, m.segment + 1}) {
+      if (k == 0 || (k < last && hops[k - 1].surface == m.surface)) continue;
+      add({Hiding::Kind::point, m.segment, m.surface, nullptr, k});
+    }
+  }
+  return all;
+}
+
+bool HiddenEdgeFinder::trace(const std::shared_ptr<HiddenEdge>& edge, const Bracket& bracket) {
+  const double length = (bracket.visible.x - bracket.hidden.x).norm();
+  const auto function = LevelFunction::edge_of(*edge);
+  const auto at = correct(evaluate_, function, bracket.visible,
+                          {residual_, geometry::kInfinity, kBracketTrust * length});
+  if (!at) return false;
+  BoundaryCurve probe{kind_of(edge->ending()), index_, -1, false, {}, {}, edge};
+  if (!opening_at(carrier_, probe, *at).real) return false;
+  auto found = curves_along(carrier_, index_, kind_of(edge->ending()), function,
+                            {Seed{0, *at, bracket.reach}}, budget_, chord_, residual_);
+  for (BoundaryCurve& curve : found) {
+    curve.edge = edge;
+    if (!coincides_with_domain(field_, curve)) curves_.push_back(std::move(curve));
+  }
+  return true;
+}
+
+void HiddenEdgeFinder::take(Bracket bracket) {
+  if (known(bracket)) return;
+  for (int round = 0; round < kNarrowingRounds; ++round) {
+    narrow(bracket);
+    if (known(bracket)) return;
+    for (const auto& edge : candidates(bracket)) {
+      if (trace(edge, bracket)) return;
+    }
+  }
+}
+
+}  // namespace
+
+void add_hidden_edges(SheetCarrier& carrier, int field, std::vector<BoundaryCurve>& curves,
+                      Budget& budget, double chord, double residual) {
+  HiddenEdgeFinder(carrier, field, curves, budget, chord, residual).run();
+}
+
+}  // namespace caustic::solver

@@ -1,0 +1,17 @@
+// The edges of what surfaces hide of one family's light, found from where exploration saw visibility
+// change, and followed from corner to corner (S57).
+#pragma once
+
+#include <vector>
+
+#include "solver/boundary_curves.h"
+
+namespace caustic::solver {
+
+/// Appends the edges to `curves`, which holds the caustics and the boundaries of the field's domain.
+/// Of an edge also what lies beyond its corners, where it hides nothing: see opening_at. The field's
+/// visibility must be known.
+void add_hidden_edges(SheetCarrier& carrier, int field, std::vector<BoundaryCurve>& curves,
+                      Budget& budget, double chord, double residual);
+
+}  // namespace caustic::solver
