@@ -16,8 +16,8 @@ constexpr int kCrossingSteps = 20;
 constexpr double kLeastSine = 1e-7;
 constexpr double kCrossingGap = 1e-13;
 constexpr double kCrossingStep = 1e-12;
-// Polylines may miss what the curves meet by this share of a segment; a crossing belongs to a
-// segment up to that share beyond its ends.
+// Polylines may miss what the curves meet by this share of a segment and the chord tolerance; a
+// crossing belongs to a segment up to that share beyond its ends.
 constexpr double kSegmentSlack = 0.1;
 constexpr double kSegmentEnds = 1e-9;
 constexpr double kBoundaryResidual = 1e-13;
@@ -28,9 +28,11 @@ double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(
 
 class BoundaryCutter {
  public:
-  BoundaryCutter(SheetCarrier& carrier, const std::vector<BoundaryCurve>& curves, Budget& budget)
+  BoundaryCutter(SheetCarrier& carrier, const std::vector<BoundaryCurve>& curves, double chord,
+                 Budget& budget)
       : carrier_(carrier),
         budget_(budget),
+        chord_(chord),
         curves_(curves),
         cuts_(curves.size()),
         width_(carrier.system().receiver().width()) {}
@@ -57,6 +59,7 @@ class BoundaryCutter {
   std::size_t segments(std::size_t c) const {
     return curves_[c].closed ? curves_[c].q.size() : curves_[c].q.size() - 1;
   }
+  double slack(const Vec2& segment) const { return kSegmentSlack * segment.norm() + 2.0 * chord_; }
   Vec2 image_tangent(std::size_t c, const BoundaryPlace& at, Vec3& t) const;
   void cut_at_crossings();
   void cross_segments(std::size_t c, std::size_t i, std::size_t d, std::size_t j);
@@ -69,6 +72,7 @@ class BoundaryCutter {
 
   SheetCarrier& carrier_;
   Budget& budget_;
+  double chord_;
   const std::vector<BoundaryCurve>& curves_;
   std::vector<std::vector<Cut>> cuts_;
   double width_;
@@ -93,7 +97,9 @@ void BoundaryCutter::cross_segments(std::size_t c, std::size_t i, std::size_t d,
   const double det = cross(da, db);
   if (det == 0.0) return;
   const double w = cross(b0 - a0, db) / det, v = cross(b0 - a0, da) / det;
-  if (!(std::abs(w - 0.5) <= 0.5 + kSegmentSlack && std::abs(v - 0.5) <= 0.5 + kSegmentSlack)) return;
+  if (!(std::abs(w - 0.5) <= 0.5 + slack(da) / da.norm() &&
+        std::abs(v - 0.5) <= 0.5 + slack(db) / db.norm()))
+    return;
   auto a = settle_on(carrier_, curves_[c], on_segment(curves_[c], i, w));
   auto b = settle_on(carrier_, curves_[d], on_segment(curves_[d], j, v));
   for (int k = 0; k < kCrossingSteps && a && b; ++k) {
@@ -149,9 +155,9 @@ void BoundaryCutter::cut_at_crossings() {
   for (std::size_t c = 0; c < curves_.size(); ++c) {
     for (std::size_t i = 0; i < segments(c); ++i) {
       const Vec2 &a = curves_[c].q[i], &b = curves_[c].q[(i + 1) % curves_[c].q.size()];
-      const double slack = kSegmentSlack * (b - a).norm();
-      all.push_back({std::min(a.x(), b.x()) - slack, std::max(a.x(), b.x()) + slack,
-                     std::min(a.y(), b.y()) - slack, std::max(a.y(), b.y()) + slack, c, i});
+      const double more = slack(b - a);
+      all.push_back({std::min(a.x(), b.x()) - more, std::max(a.x(), b.x()) + more,
+                     std::min(a.y(), b.y()) - more, std::max(a.y(), b.y()) + more, c, i});
     }
   }
   std::sort(all.begin(), all.end(), [](const Segment& s, const Segment& t) { return s.lo < t.lo; });
@@ -280,8 +286,9 @@ std::optional<BoundaryPlace> settle_on(SheetCarrier& carrier, const BoundaryCurv
 }
 
 std::vector<std::vector<Cut>> find_cuts(SheetCarrier& carrier,
-                                        const std::vector<BoundaryCurve>& curves, Budget& budget) {
-  return BoundaryCutter(carrier, curves, budget).run();
+                                        const std::vector<BoundaryCurve>& curves, double chord,
+                                        Budget& budget) {
+  return BoundaryCutter(carrier, curves, chord, budget).run();
 }
 
 }  // namespace caustic::solver

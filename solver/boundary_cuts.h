@@ -29,8 +29,9 @@ struct Cut {
   BoundaryPlace place;
 };
 
-/// For each curve, along it.
+/// For each curve, along it. `chord` is what the polylines were traced with, m.
 std::vector<std::vector<Cut>> find_cuts(SheetCarrier& carrier,
-                                        const std::vector<BoundaryCurve>& curves, Budget& budget);
+                                        const std::vector<BoundaryCurve>& curves, double chord,
+                                        Budget& budget);
 
 }  // namespace caustic::solver

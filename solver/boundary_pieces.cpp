@@ -26,14 +26,16 @@ double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(
 
 class PieceMaker {
  public:
-  PieceMaker(SheetCarrier& carrier, const std::vector<BoundaryCurve>& curves, Budget& budget)
+  PieceMaker(SheetCarrier& carrier, const std::vector<BoundaryCurve>& curves, double chord,
+             Budget& budget)
       : carrier_(carrier),
         budget_(budget),
+        chord_(chord),
         curves_(curves),
         width_(carrier.system().receiver().width()) {}
 
   BoundaryPieces run() {
-    const auto cuts = find_cuts(carrier_, curves_, budget_);
+    const auto cuts = find_cuts(carrier_, curves_, chord_, budget_);
     for (std::size_t c = 0; c < curves_.size() && !budget_.exhausted(); ++c) split(c, cuts[c]);
     return std::move(result_);
   }
@@ -55,6 +57,7 @@ class PieceMaker {
 
   SheetCarrier& carrier_;
   Budget& budget_;
+  double chord_;
   const std::vector<BoundaryCurve>& curves_;
   double width_;
   BoundaryPieces result_;
@@ -223,8 +226,8 @@ void complete_totals(const BoundaryCurve& curve, BoundaryVertex& v) {
 }
 
 BoundaryPieces cut_boundaries(SheetCarrier& carrier, const std::vector<BoundaryCurve>& curves,
-                              Budget& budget) {
-  return PieceMaker(carrier, curves, budget).run();
+                              double chord, Budget& budget) {
+  return PieceMaker(carrier, curves, chord, budget).run();
 }
 
 }  // namespace caustic::solver

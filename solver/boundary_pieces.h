@@ -33,6 +33,6 @@ struct BoundaryPieces {
 
 /// Leaves out what is no boundary because the sheets that would begin there are hidden.
 BoundaryPieces cut_boundaries(SheetCarrier& carrier, const std::vector<BoundaryCurve>& curves,
-                              Budget& budget);
+                              double chord, Budget& budget);
 
 }  // namespace caustic::solver

@@ -1,5 +1,6 @@
 #include "solver/hidden_edges.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -14,10 +15,13 @@ constexpr int kNarrowings = 10;
 constexpr int kNarrowingRounds = 4;
 // A corner is located to this share of the scene, and looked for on a circle so much larger.
 constexpr double kCornerPlace = 1e-6;
+constexpr int kCornerSteps = 60;
 constexpr double kCircle = 30.0;
 constexpr int kCirclePlaces = 24;
 // What an edge remembers lies this share of the cell that it was found in apart.
 constexpr double kMemorySpacing = 0.1;
+// The way by a curve's point is longer than its chord by no more than this share.
+constexpr double kDetour = 0.1;
 // Newton's way to an edge, in lengths of its bracket.
 constexpr double kBracketTrust = 3.0;
 
@@ -25,6 +29,28 @@ constexpr double kBracketTrust = 3.0;
 struct Bracket {
   FieldPoint visible, hidden;
   double reach;  // size of the cell, m
+};
+
+// A curve, and at which of its vertices it bounds what is seen.
+struct Walked {
+  BoundaryCurve curve;
+  std::vector<char> real;
+  std::size_t segments() const { return curve.own.size() - !curve.closed; }
+  std::size_t next(std::size_t i) const { return (i + 1) % curve.own.size(); }
+  /// The segment whose ends are joined by way of x with the least detour, m.
+  struct Nearest {
+    std::size_t segment;
+    double detour;
+  };
+  Nearest nearest(const Point& x) const {
+    Nearest best{0, geometry::kInfinity};
+    for (std::size_t i = 0; i < segments(); ++i) {
+      const Point &a = curve.own[i].x, &b = curve.own[next(i)].x;
+      const double detour = (x - a).norm() + (b - x).norm() - (b - a).norm();
+      if (detour < best.detour) best = {i, detour};
+    }
+    return best;
+  }
 };
 
 class HiddenEdgeFinder {
@@ -43,13 +69,11 @@ class HiddenEdgeFinder {
 
   void run() {
     add_brackets_of_cells();
-    const std::size_t given = curves_.size();
-    for (std::size_t c = 0; c < given; ++c) walk(c);
-    std::size_t walked = given;
+    for (const BoundaryCurve& curve : curves_) walk({curve, {}});
     for (std::size_t b = 0; b < brackets_.size() && !budget_.exhausted(); ++b) {
       take(Bracket(brackets_[b]));
-      for (; walked < curves_.size(); ++walked) walk(walked);
     }
+    for (const Walked& edge : edges_) keep_real(edge);
   }
 
  private:
@@ -58,10 +82,13 @@ class HiddenEdgeFinder {
   }
   void add_brackets_of_cells();
   void add_brackets_around(const FieldPoint& corner);
-  void walk(std::size_t c);
+  Walked walk(Walked edge);
+  void find_corner(const BoundaryCurve& curve, FieldPoint a, FieldPoint b, bool real_at_a);
+  void keep_real(const Walked& edge);
   void take(Bracket bracket);
   void narrow(Bracket& bracket);
-  bool known(const Bracket& bracket) const;
+  bool known(const Bracket& bracket);
+  void add_vertex(Walked& edge, const Bracket& bracket);
   std::vector<std::shared_ptr<HiddenEdge>> candidates(const Bracket& bracket) const;
   bool trace(const std::shared_ptr<HiddenEdge>& edge, const Bracket& bracket);
 
@@ -70,6 +97,7 @@ class HiddenEdgeFinder {
   const FamilyField& field_;
   Evaluator& evaluate_;
   std::vector<BoundaryCurve>& curves_;
+  std::vector<Walked> edges_;  // also where they hide nothing
   Budget& budget_;
   double chord_, residual_, diameter_;
   std::vector<Bracket> brackets_;
@@ -121,25 +149,53 @@ void HiddenEdgeFinder::add_brackets_around(const FieldPoint& corner) {
 }
 
 // Corners are where along a curve it begins or ceases to bound what is seen.
-void HiddenEdgeFinder::walk(std::size_t c) {
-  const BoundaryCurve curve = curves_[c];
-  const std::size_t n = curve.own.size();
-  bool before = opening_at(carrier_, curve, curve.own.front()).real;
-  for (std::size_t i = 0; i + 1 < n + curve.closed && !budget_.exhausted(); ++i) {
-    const std::size_t next = (i + 1) % n;
-    const bool after = opening_at(carrier_, curve, curve.own[next]).real;
-    if (before != after) {
-      FieldPoint a = curve.own[i], b = curve.own[next];
-      for (int k = 0; k < 60 && (b.x - a.x).norm() > kCornerPlace * diameter_; ++k) {
-        const auto middle = correct(evaluate_, curve.function(field_), 0.5 * (a.x + b.x), {residual_},
-                                    a.hits.get());
-        if (!middle) break;
-        (opening_at(carrier_, curve, *middle).real == before ? a : b) = *middle;
-      }
-      add_brackets_around(a);
-    }
-    before = after;
+Walked HiddenEdgeFinder::walk(Walked edge) {
+  for (const FieldPoint& f : edge.curve.own)
+    edge.real.push_back(opening_at(carrier_, edge.curve, f).real);
+  for (std::size_t i = 0; i < edge.segments() && !budget_.exhausted(); ++i) {
+    const std::size_t next = edge.next(i);
+    if (edge.real[i] != edge.real[next])
+      find_corner(edge.curve, edge.curve.own[i], edge.curve.own[next], edge.real[i]);
   }
+  return edge;
+}
+
+void HiddenEdgeFinder::find_corner(const BoundaryCurve& curve, FieldPoint a, FieldPoint b,
+                                   bool real_at_a) {
+  for (int k = 0; k < kCornerSteps && (b.x - a.x).norm() > kCornerPlace * diameter_; ++k) {
+    const auto middle = correct(evaluate_, curve.function(field_), 0.5 * (a.x + b.x), {residual_},
+                                a.hits.get());
+    if (!middle) break;
+    (opening_at(carrier_, curve, *middle).real == real_at_a ? a : b) = *middle;
+  }
+  add_brackets_around(a);
+}
+
+// Runs of vertices at which the edge is real, with one more at either end, so that corners are on it.
+void HiddenEdgeFinder::keep_real(const Walked& edge) {
+  const auto& [curve, real] = edge;
+  const std::size_t n = real.size();
+  const auto fake = static_cast<std::size_t>(std::find(real.begin(), real.end(), 0) - real.begin());
+  if (fake == n) return curves_.push_back(curve);
+  const auto vertex = [&](BoundaryCurve& run, std::size_t i) {
+    run.q.push_back(curve.q[i % n]);
+    run.own.push_back(curve.own[i % n]);
+  };
+  // Once round a closed curve from a place that is not real.
+  const std::size_t begin = curve.closed ? fake : 0, end = begin + (curve.closed ? n + 1 : n);
+  BoundaryCurve run{curve.kind, curve.field, curve.boundary, false, {}, {}, curve.edge};
+  for (std::size_t i = begin; i < end; ++i) {
+    if (real[i % n]) {
+      if (run.q.empty() && i > begin) vertex(run, i - 1);
+      vertex(run, i);
+    } else if (!run.q.empty()) {
+      vertex(run, i);
+      curves_.push_back(run);
+      run.q.clear();
+      run.own.clear();
+    }
+  }
+  if (run.q.size() > 1) curves_.push_back(std::move(run));
 }
 
 void HiddenEdgeFinder::narrow(Bracket& bracket) {
@@ -151,23 +207,35 @@ void HiddenEdgeFinder::narrow(Bracket& bracket) {
   }
 }
 
-// Does an edge that has been traced pass between?
-bool HiddenEdgeFinder::known(const Bracket& bracket) const {
+// Does an edge that has been traced pass between? If so it is real there, which no vertex may have
+// told.
+bool HiddenEdgeFinder::known(const Bracket& bracket) {
   const Point middle = 0.5 * (bracket.visible.x + bracket.hidden.x);
   const double length = (bracket.visible.x - bracket.hidden.x).norm();
-  for (const BoundaryCurve& curve : curves_) {
-    if (!curve.edge) continue;
-    const std::size_t n = curve.own.size();
-    bool near = false;
-    for (std::size_t i = 0; i + 1 < n + curve.closed && !near; ++i) {
-      const Point &a = curve.own[i].x, &b = curve.own[(i + 1) % n].x;
-      const double reach = 0.6 * (b - a).norm() + length;
-      near = (0.5 * (a + b) - middle).squaredNorm() <= reach * reach;
-    }
-    if (near && curve.edge->value(bracket.visible) * curve.edge->value(bracket.hidden) <= 0.0)
-      return true;
+  for (Walked& edge : edges_) {
+    const auto [i, detour] = edge.nearest(middle);
+    const double chord = (edge.curve.own[edge.next(i)].x - edge.curve.own[i].x).norm();
+    if (detour > kDetour * chord + 2.0 * length) continue;
+    const HiddenEdge& h = *edge.curve.edge;
+    if (h.value(bracket.visible) * h.value(bracket.hidden) > 0.0) continue;
+    if (!edge.real[i] && !edge.real[edge.next(i)]) add_vertex(edge, bracket);
+    return true;
   }
   return false;
+}
+
+void HiddenEdgeFinder::add_vertex(Walked& edge, const Bracket& bracket) {
+  const auto at = correct(evaluate_, edge.curve.function(field_), bracket.visible, {residual_});
+  if (!at || !opening_at(carrier_, edge.curve, *at).real) return;
+  const std::size_t i = edge.nearest(at->x).segment;
+  if (edge.real[i] || edge.real[edge.next(i)]) return;
+  const FieldPoint before = edge.curve.own[i], after = edge.curve.own[edge.next(i)];
+  const auto where = static_cast<std::ptrdiff_t>(i) + 1;
+  edge.curve.q.insert(edge.curve.q.begin() + where, at->q);
+  edge.curve.own.insert(edge.curve.own.begin() + where, *at);
+  edge.real.insert(edge.real.begin() + where, true);
+  find_corner(edge.curve, before, *at, false);
+  find_corner(edge.curve, after, *at, false);
 }
 
 // What may be about to hide the path: each way in which each surface that hides the one may.
@@ -208,7 +276,7 @@ bool HiddenEdgeFinder::trace(const std::shared_ptr<HiddenEdge>& edge, const Brac
                             {Seed{0, *at, bracket.reach}}, budget_, chord_, residual_);
   for (BoundaryCurve& curve : found) {
     curve.edge = edge;
-    if (!coincides_with_domain(field_, curve)) curves_.push_back(std::move(curve));
+    if (!coincides_with_domain(field_, curve)) edges_.push_back(walk({std::move(curve), {}}));
   }
   return true;
 }

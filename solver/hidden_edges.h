@@ -8,9 +8,9 @@
 
 namespace caustic::solver {
 
-/// Appends the edges to `curves`, which holds the caustics and the boundaries of the field's domain.
-/// Of an edge also what lies beyond its corners, where it hides nothing: see opening_at. The field's
-/// visibility must be known.
+/// Appends the edges to `curves`, which holds the caustics and the boundaries of the field's domain;
+/// each from one vertex before it begins to bound what is seen to one after it ceases to. The field
+/// must have a visibility.
 void add_hidden_edges(SheetCarrier& carrier, int field, std::vector<BoundaryCurve>& curves,
                       Budget& budget, double chord, double residual);
 

@@ -30,7 +30,7 @@ class TotalTracer {
         chord_(chord),
         residual_(residual),
         curves_(trace_boundaries(carrier_, budget, chord, residual)),
-        pieces_(cut_boundaries(carrier_, curves_, budget)),
+        pieces_(cut_boundaries(carrier_, curves_, chord, budget)),
         grid_(carrier_) {
     result_.unresolved = pieces_.unresolved;
     if (observer_) observer_->boundaries(carrier_, curves_, pieces_);
