@@ -18,6 +18,8 @@ constexpr double kCornerPlace = 1e-6;
 constexpr int kCornerSteps = 60;
 constexpr double kCircle = 30.0;
 constexpr int kCirclePlaces = 24;
+// An edge is kept so many chord tolerances beyond its corners.
+constexpr double kOverhang = 4.0;
 // What an edge remembers lies this share of the cell that it was found in apart.
 constexpr double kMemorySpacing = 0.1;
 // The way by a curve's point is longer than its chord by no more than this share.
@@ -171,31 +173,37 @@ void HiddenEdgeFinder::find_corner(const BoundaryCurve& curve, FieldPoint a, Fie
   add_brackets_around(a);
 }
 
-// Runs of vertices at which the edge is real, with one more at either end, so that corners are on it.
+// Runs of vertices at which the edge is real, with as much more at either end that corners are on it.
 void HiddenEdgeFinder::keep_real(const Walked& edge) {
   const auto& [curve, real] = edge;
   const std::size_t n = real.size();
-  const auto fake = static_cast<std::size_t>(std::find(real.begin(), real.end(), 0) - real.begin());
-  if (fake == n) return curves_.push_back(curve);
-  const auto vertex = [&](BoundaryCurve& run, std::size_t i) {
-    run.q.push_back(curve.q[i % n]);
-    run.own.push_back(curve.own[i % n]);
-  };
-  // Once round a closed curve from a place that is not real.
-  const std::size_t begin = curve.closed ? fake : 0, end = begin + (curve.closed ? n + 1 : n);
+  std::vector<char> kept = real;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!real[i]) continue;
+    for (const std::size_t step : {std::size_t{1}, n - 1}) {
+      for (std::size_t j = (i + step) % n; !real[j]; j = (j + step) % n) {
+        const bool round_the_end = (j + n - step) % n != (step == 1 ? j - 1 : j + 1);
+        if (round_the_end && !curve.closed) break;
+        kept[j] = true;
+        if ((curve.q[j] - curve.q[i]).norm() > kOverhang * chord_) break;
+      }
+    }
+  }
+  const auto gap = static_cast<std::size_t>(std::find(kept.begin(), kept.end(), 0) - kept.begin());
+  if (gap == n) return curves_.push_back(curve);
+  // Once round a closed curve from a gap.
+  const std::size_t begin = curve.closed ? gap : 0;
   BoundaryCurve run{curve.kind, curve.field, curve.boundary, false, {}, {}, curve.edge};
-  for (std::size_t i = begin; i < end; ++i) {
-    if (real[i % n]) {
-      if (run.q.empty() && i > begin) vertex(run, i - 1);
-      vertex(run, i);
+  for (std::size_t i = begin; i <= begin + n; ++i) {
+    if (i < begin + n && kept[i % n]) {
+      run.q.push_back(curve.q[i % n]);
+      run.own.push_back(curve.own[i % n]);
     } else if (!run.q.empty()) {
-      vertex(run, i);
-      curves_.push_back(run);
+      if (run.q.size() > 1) curves_.push_back(run);
       run.q.clear();
       run.own.clear();
     }
   }
-  if (run.q.size() > 1) curves_.push_back(std::move(run));
 }
 
 void HiddenEdgeFinder::narrow(Bracket& bracket) {
