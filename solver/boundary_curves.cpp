@@ -52,7 +52,8 @@ BoundaryKind kind_of(Ending ending) {
     case Ending::receiver_edge:
       return BoundaryKind::receiver;
     case Ending::limit:
-    case Ending::node: break;
+    case Ending::node:
+      break;
   }
   return BoundaryKind::none;
 }
@@ -90,7 +91,8 @@ std::vector<BoundaryCurve> curves_along(SheetCarrier& carrier, int field, Bounda
 Opening opening_at(SheetCarrier& carrier, const BoundaryCurve& curve, const FieldPoint& at) {
   const FamilyField& field = carrier.field(curve.field);
   const auto visible = [&](const FieldPoint& f) {
-    return !field.visibility || !field.visibility->hidden(field.piece.hops, LightPath(field.map, f));
+    return !field.visibility ||
+           !field.visibility->hidden(field.piece.hops, LightPath(field.map, f));
   };
   const Vec3 inside = -curve.function(field).gradient(at).normalized();
   if (curve.kind == BoundaryKind::caustic) return {visible(at), inside};

@@ -11,10 +11,10 @@ namespace caustic::solver {
 
 struct BoundaryCurve {
   BoundaryKind kind;
-  int field = -1;       ///< −1 for the receiver's edges
-  int boundary = -1;    ///< of the field's domain, or −1
-  bool closed = false;  ///< then the first vertex is not repeated
-  std::vector<Vec2> q;  ///< vertices, receiver axes, m
+  int field = -1;               ///< −1 for the receiver's edges
+  int boundary = -1;            ///< of the field's domain, or −1
+  bool closed = false;          ///< then the first vertex is not repeated
+  std::vector<Vec2> q;          ///< vertices, receiver axes, m
   std::vector<FieldPoint> own;  ///< the sheet's points; empty for the receiver's edges
   std::shared_ptr<const HiddenEdge> edge = nullptr;  ///< of what hides
 

@@ -110,12 +110,13 @@ void BoundaryCutter::cross_segments(std::size_t c, std::size_t i, std::size_t d,
     if (std::abs(sine) <= kLeastSine * qa.norm() * qb.norm()) return;
     const double alpha = cross(gap, qb) / sine, beta = cross(gap, qa) / sine;
     if (gap.norm() <= kCrossingGap * width_ ||
-        (k > 3 &&
-         std::max(std::abs(alpha) * qa.norm(), std::abs(beta) * qb.norm()) <= kCrossingStep * width_)) {
+        (k > 3 && std::max(std::abs(alpha) * qa.norm(), std::abs(beta) * qb.norm()) <=
+                      kCrossingStep * width_)) {
       // Within the segments, or each crossing would be found from their neighbours too.
       const double wa = da.dot(a->q - a0) / da.squaredNorm(),
                    wb = db.dot(b->q - b0) / db.squaredNorm();
-      if (!(std::abs(wa - 0.5) <= 0.5 + kSegmentEnds && std::abs(wb - 0.5) <= 0.5 + kSegmentEnds)) return;
+      if (!(std::abs(wa - 0.5) <= 0.5 + kSegmentEnds && std::abs(wb - 0.5) <= 0.5 + kSegmentEnds))
+        return;
       b->q = a->q;
       add_cut(c, i, *a);
       add_cut(d, j, *b);

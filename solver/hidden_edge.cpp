@@ -50,7 +50,8 @@ bool HiddenEdge::touch(const Moving& a, const Moving& b, State& state) const {
     if (std::abs(step) <= kHiddenRoundings * geometry::kEpsilon * (1.0 + std::abs(state.t))) {
       state.h = d.g;
       const Vec3 slope_a = (1.0 - state.t) * d.gradient, slope_b = state.t * d.gradient;
-      state.gradient = Vec3(slope_a.dot(a.s) + slope_b.dot(b.s), slope_a.dot(a.t) + slope_b.dot(b.t), 0);
+      state.gradient =
+          Vec3(slope_a.dot(a.s) + slope_b.dot(b.s), slope_a.dot(a.t) + slope_b.dot(b.t), 0);
       return true;
     }
     state.t += step;
@@ -87,7 +88,8 @@ bool HiddenEdge::rim(const Moving& a, const Moving& b, State& state) const {
       const Vec3 normal = across.normalized();
       state.h = normal.dot(state.y - a.at - state.t * D);
       const Vec3 slope_a = (state.t - 1.0) * normal, slope_b = -state.t * normal;
-      state.gradient = Vec3(slope_a.dot(a.s) + slope_b.dot(b.s), slope_a.dot(a.t) + slope_b.dot(b.t), 0);
+      state.gradient =
+          Vec3(slope_a.dot(a.s) + slope_b.dot(b.s), slope_a.dot(a.t) + slope_b.dot(b.t), 0);
       return true;
     }
   }

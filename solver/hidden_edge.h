@@ -1,6 +1,6 @@
 // The edge of what one surface hides of a family's light, as a smooth function on the first surface
-// (S56): where a segment of the path touches the surface, passes the edge of its aperture, or begins
-// or ends on it.
+// (S56): where a segment of the path touches the surface, passes the edge of its aperture, or
+// begins or ends on it.
 #pragma once
 
 #include <vector>
@@ -33,8 +33,8 @@ struct Hiding {
 /// touches of one segment apart; so it is not thread-safe.
 class HiddenEdge {
  public:
-  /// `y` is the place where the path of `f`, nearly about to be hidden, comes to the surface. What is
-  /// found is remembered at every `spacing`, m. The map must outlive the edge.
+  /// `y` is the place where the path of `f`, nearly about to be hidden, comes to the surface. What
+  /// is found is remembered at every `spacing`, m. The map must outlive the edge.
   HiddenEdge(const ForwardMap& map, const Hiding& hiding, const FieldPoint& f, const Point& y,
              double spacing);
 
@@ -52,9 +52,9 @@ class HiddenEdge {
 
  private:
   struct State {
-    Point x;     // first hit
-    double t;    // share of the segment
-    Point y;     // place on the surface
+    Point x;   // first hit
+    double t;  // share of the segment
+    Point y;   // place on the surface
     double h = 0.0;
     Vec3 gradient = Vec3::Zero();
   };

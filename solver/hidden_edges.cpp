@@ -119,8 +119,10 @@ void HiddenEdgeFinder::add_brackets_of_cells() {
     if (cell.hidden == 0.0 || budget_.exhausted()) continue;
     const auto edge = [&](int a, int b) {
       const char at_a = look(a), at_b = look(b);
-      if (at_a == seen && at_b == unseen) brackets_.push_back({e.samples[a], e.samples[b], cell.radius});
-      if (at_b == seen && at_a == unseen) brackets_.push_back({e.samples[b], e.samples[a], cell.radius});
+      if (at_a == seen && at_b == unseen)
+        brackets_.push_back({e.samples[a], e.samples[b], cell.radius});
+      if (at_b == seen && at_a == unseen)
+        brackets_.push_back({e.samples[b], e.samples[a], cell.radius});
     };
     for (std::size_t i = 0; i < cell.polygon.size(); ++i) {
       edge(cell.polygon[i].sample, cell.polygon[(i + 1) % cell.polygon.size()].sample);
@@ -165,15 +167,16 @@ Walked HiddenEdgeFinder::walk(Walked edge) {
 void HiddenEdgeFinder::find_corner(const BoundaryCurve& curve, FieldPoint a, FieldPoint b,
                                    bool real_at_a) {
   for (int k = 0; k < kCornerSteps && (b.x - a.x).norm() > kCornerPlace * diameter_; ++k) {
-    const auto middle = correct(evaluate_, curve.function(field_), 0.5 * (a.x + b.x), {residual_},
-                                a.hits.get());
+    const auto middle =
+        correct(evaluate_, curve.function(field_), 0.5 * (a.x + b.x), {residual_}, a.hits.get());
     if (!middle) break;
     (opening_at(carrier_, curve, *middle).real == real_at_a ? a : b) = *middle;
   }
   add_brackets_around(a);
 }
 
-// Runs of vertices at which the edge is real, with as much more at either end that corners are on it.
+// Runs of vertices at which the edge is real, with as much more at either end that corners are on
+// it.
 void HiddenEdgeFinder::keep_real(const Walked& edge) {
   const auto& [curve, real] = edge;
   const std::size_t n = real.size();

@@ -1,5 +1,5 @@
-// The edges of what surfaces hide of one family's light, found from where exploration saw visibility
-// change, and followed from corner to corner (S57).
+// The edges of what surfaces hide of one family's light, found from where exploration saw
+// visibility change, and followed from corner to corner (S57).
 #pragma once
 
 #include <vector>
@@ -8,9 +8,9 @@
 
 namespace caustic::solver {
 
-/// Appends the edges to `curves`, which holds the caustics and the boundaries of the field's domain;
-/// each from one vertex before it begins to bound what is seen to one after it ceases to. The field
-/// must have a visibility.
+/// Appends the edges to `curves`, which holds the caustics and the boundaries of the field's
+/// domain; each from one vertex before it begins to bound what is seen to one after it ceases to.
+/// The field must have a visibility.
 void add_hidden_edges(SheetCarrier& carrier, int field, std::vector<BoundaryCurve>& curves,
                       Budget& budget, double chord, double residual);
 
