@@ -99,10 +99,10 @@ TEST(AnalysisCall, names_every_fault) {
 
 TEST(AnalysisCall, says_what_this_version_lacks) {
   json request = analysis_request();
-  json& surfaces = request["scene"]["surfaces"];
-  surfaces.push_back(surfaces[0]);
-  surfaces[1]["name"] = "in the way";
-  surfaces[1]["shape"] = {{"type", "sphere"}, {"center", {1.5, 0, 3}}, {"radius", 0.5}};
+  json& optics = test::surface(request)["optics"];
+  optics.erase("reflectance");
+  optics["n"] = 1.5;
+  optics["k"] = 4.0;
   EXPECT_EQ(faults_of(request), Pointers{"/scene"});
 }
 
