@@ -12,6 +12,7 @@
 
 #include "geometry/opening.h"
 #include "geometry/root_finding.h"
+#include "solver/chart_place.h"
 
 namespace caustic::solver {
 
@@ -28,7 +29,7 @@ constexpr int kBoundaryDepth = 2;  // the domain's boundary passes, or something
 constexpr int kFieldDepth = 8;     // a, σ or q vary
 constexpr int kPathEndDepth = 5;   // some paths end
 constexpr int kPoleDepth = 8;      // some rays leave the receiver's plane
-constexpr int kMissDepth = 2;      // no sample has a path
+constexpr int kMissDepth = 2;      // no sample has a path; further if something small is sought
 constexpr int kImageDepth = 24;    // the image is coarse against the window, or the light is near
 // The image of a cell inside the window: at most this share of the window's diagonal.
 constexpr double kImageShare = 0.2;
@@ -53,7 +54,7 @@ constexpr double kSourceShare = 0.7;
 constexpr std::size_t kDeepCells = 20000;
 constexpr int kLateDepth = 4;
 
-constexpr int kFinest = 1 << kImageDepth;
+constexpr std::int64_t kFinest = std::int64_t{1} << kChartDepth;
 // The bounds of a chart's cell are numbered from here downwards, next to the domain's boundaries.
 constexpr int kFirstOfCell = -3;
 
@@ -102,9 +103,13 @@ class Explorer {
 
  private:
   struct Square {
-    int chart, i, j, size, depth;  // corners in units of 1/(base · kFinest)
+    int chart;
+    std::int64_t i, j, size;  // corner and side in units of 1/(base · kFinest)
+    int depth;
   };
-  enum class Verdict { discard, refine, keep };
+  // Cells that are divided to seek something small do not count as finer: that begins when it is
+  // found.
+  enum class Verdict { discard, refine, seek, keep };
   struct View {  // corners in order, then the middle
     std::array<int, 5> samples;
     double radius = 0.0;
@@ -114,11 +119,12 @@ class Explorer {
 
   bool outside(int chart, const Point& middle, double radius) const;
   double find_opening() const;
-  int sample(int chart, int i, int j);
+  int sample(int chart, std::int64_t i, std::int64_t j);
   View look(const Square& c);
   Verdict judge(const Square& c, View& view);
   bool varies(const View& view) const;
   void keep(const Square& c, const View& view);
+  Between between_rays(const View& view) const;
   Verdict judge_at_path_ends(View& view);
   bool wide_on_later(const View& view) const;
   Corner path_end(int chart, const Corner& a, const Corner& b);
@@ -132,7 +138,9 @@ class Explorer {
   std::optional<double> hidden_share(const View& view);
   double hidden_share(int chart, const std::vector<Corner>& polygon);
   bool near_source(const View& view) const;
-  double coordinate(int i) const { return static_cast<double>(i) / (base_ * double(kFinest)); }
+  double coordinate(std::int64_t i) const {
+    return static_cast<double>(i) / (base_ * double(kFinest));
+  }
 
   Evaluator& evaluate_;
   const Domain& domain_;
@@ -145,7 +153,7 @@ class Explorer {
   std::size_t seen_ = 0;
   Exploration result_;
   std::pmr::monotonic_buffer_resource memory_;
-  std::pmr::unordered_map<std::uint64_t, int> known_{&memory_};
+  std::pmr::unordered_map<ChartPlace, int, ChartPlaceHash> known_{&memory_};
   std::pmr::unordered_map<int, bool> hidden_known_{&memory_};
   std::pmr::map<std::array<int, 3>, Corner> crossings_{&memory_};  // by both samples and boundary
 };
@@ -181,16 +189,14 @@ double Explorer::find_opening() const {
   return geometry::opening_radius(map_.shape(), bounds, starts, largest);
 }
 
-int Explorer::sample(int chart, int i, int j) {
-  const std::uint64_t key = (static_cast<std::uint64_t>(chart) << 56) |
-                            (static_cast<std::uint64_t>(i) << 28) | static_cast<std::uint64_t>(j);
-  const auto [entry, fresh] = known_.try_emplace(key, 0);
+int Explorer::sample(int chart, std::int64_t i, std::int64_t j) {
+  const auto [entry, fresh] = known_.try_emplace(ChartPlace{chart, i, j}, 0);
   if (fresh) entry->second = add_sample(result_, evaluate_, chart, coordinate(i), coordinate(j));
   return entry->second;
 }
 
 Explorer::View Explorer::look(const Square& c) {
-  const int half = c.size / 2;
+  const std::int64_t half = c.size / 2;
   View view{{sample(c.chart, c.i, c.j), sample(c.chart, c.i + c.size, c.j),
              sample(c.chart, c.i + c.size, c.j + c.size), sample(c.chart, c.i, c.j + c.size),
              sample(c.chart, c.i + half, c.j + half)}};
@@ -279,9 +285,14 @@ Explorer::Verdict Explorer::judge(const Square& c, View& view) {
   int finite = 0;
   for (int k = 0; k < 5; ++k) finite += view(result_, k).finite;
   if (finite < 5) {
-    if (c.depth < (finite == 0 ? kMissDepth : kPathEndDepth)) return Verdict::refine;
-    if (map_.paths_may_end() && finite > 0) return judge_at_path_ends(view);
-    result_.unresolved += finite > 0;
+    if (c.depth < kMissDepth) return Verdict::refine;
+    const Between rays = seen_ < kDeepCells ? between_rays(view) : Between::dense;
+    if (rays == Between::perhaps) return Verdict::seek;
+    if (finite == 0 && rays != Between::mixed) return Verdict::discard;
+    if (c.depth < kPathEndDepth) return Verdict::refine;
+    if (finite == 0) return Verdict::discard;
+    if (map_.paths_may_end()) return judge_at_path_ends(view);
+    ++result_.unresolved;
     return Verdict::discard;
   }
 
@@ -335,6 +346,25 @@ Explorer::Verdict Explorer::judge(const Square& c, View& view) {
     if (hidden > 0.0 && hidden < 1.0) return Verdict::refine;
   }
   return Verdict::keep;
+}
+
+// Some samples have no path, or none has: how those pass that get nearest to what the others miss.
+Between Explorer::between_rays(const View& view) const {
+  std::array<NearMiss, 5> rays;
+  int missed = -1;
+  for (int k = 0; k < 5; ++k) {
+    if (view(result_, k).finite) continue;
+    rays[k] = map_.near_miss(view(result_, k).x);
+    missed = std::max(missed, rays[k].hop);
+  }
+  if (missed < 0) return Between::dense;
+  for (int k = 0; k < 5; ++k) {
+    const FieldPoint& f = view(result_, k);
+    if (!f.finite) continue;
+    const Point& o = f.hits[missed - 1].y;
+    rays[k] = {missed, o, f.hits[missed].y - o};
+  }
+  return between(rays, rays[4], map_.surface(missed).region);
 }
 
 // A cell in which paths begin to miss a surface, or to be reflected where they should pass: E → 0
@@ -523,15 +553,18 @@ Exploration Explorer::run() {
     ++seen_;
     View view = look(c);
     const Verdict verdict = judge(c, view);
+    const std::int64_t half = c.size / 2;
     if (verdict == Verdict::discard) {
       ++result_.discarded;
     } else if (verdict == Verdict::keep) {
       keep(c, view);
+    } else if (half < 2) {
+      ++result_.unresolved;  // a coordinate of the middle would be no integer
     } else {
-      const int half = c.size / 2;
-      for (const int i : {0, half}) {
-        for (const int j : {0, half}) {
-          queue.push_back({c.chart, c.i + i, c.j + j, half, c.depth + 1});
+      const int depth = c.depth + (verdict == Verdict::refine);
+      for (const std::int64_t i : {std::int64_t{0}, half}) {
+        for (const std::int64_t j : {std::int64_t{0}, half}) {
+          queue.push_back({c.chart, c.i + i, c.j + j, half, depth});
         }
       }
     }

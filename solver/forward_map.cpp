@@ -58,10 +58,17 @@ bool ForwardMap::follow(const Point& x, std::vector<Point>& hits, Vec3& directio
     }
     surface(j).shape->value_gradient(hits.back(), N);
     const auto on = bend(surface(j).optics, hops_[j].side, direction, N);
+    direction = on.value_or(Vec3::Zero());
     if (!on) return false;
-    direction = *on;
   }
   return true;
+}
+
+NearMiss ForwardMap::near_miss(const Point& x) const {
+  thread_local std::vector<Point> hits;
+  Vec3 direction;
+  if (follow(x, hits, direction) || direction.isZero(0.0)) return {};
+  return {static_cast<int>(hits.size()), hits.back(), direction};
 }
 
 Vec2 ForwardMap::arrival(const Point& x) const {

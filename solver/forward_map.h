@@ -7,6 +7,7 @@
 #include "geometry/linear.h"
 #include "solver/hop.h"
 #include "solver/optical_system.h"
+#include "solver/seek.h"
 
 namespace caustic::solver {
 
@@ -99,8 +100,12 @@ class ForwardMap {
   FieldPoint evaluate(const Point& x, const Hit* near = nullptr) const;
   /// The value alone, for comparison: q of (S4). NaN where the path ends before the receiver.
   Vec2 arrival(const Point& x) const;
-  /// The hits of the path from x, x first; false where it ends before the receiver's plane.
+  /// The hits of the path from x, x first; false where it ends before the receiver's plane, its
+  /// direction there, or zero where all is reflected that should pass.
   bool follow(const Point& x, std::vector<Point>& hits, Vec3& direction) const;
+
+  /// How the path from x, that ends, does so.
+  NearMiss near_miss(const Point& x) const;
 
   /// True if a path may end before the receiver: missing a surface, or by total reflection.
   bool paths_may_end() const { return !single_mirror_; }

@@ -1,11 +1,13 @@
 #include "solver/itineraries.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <set>
 
 #include "geometry/embree_scene.h"
+#include "solver/seek.h"
 #include "solver/visibility.h"
 
 namespace caustic::solver {
@@ -15,6 +17,13 @@ namespace {
 // Rays from each surface.
 constexpr int kRays = 4096;
 constexpr int kLeastSide = 6;  // of a chart, in rays
+// Where none of these gets through, cells of the charts, so many a side at first, are divided for
+// what is small: at most so often, so many at once, and so often where rays miss different
+// surfaces.
+constexpr int kSeekCells = 12;
+constexpr int kSeekLevels = 40;
+constexpr std::size_t kSeekAtOnce = 20000;
+constexpr int kMixedLevels = 3;
 // What is further outside of an aperture than this share of the scene does not exist.
 constexpr double kExistsShare = 1e-12;
 
@@ -41,6 +50,52 @@ void for_each_point(const OpticalSystem& system, const SystemSurface& surface, c
   }
 }
 
+/// Aims rays at what lies between those that pass by, until one is `through`. `follow` follows the
+/// ray from a point, and says what it misses.
+template <class Follow, class Through>
+void seek(const OpticalSystem& system, const std::vector<int>& surfaces, const Follow& follow,
+          const Through& through) {
+  const SystemSurface& surface = system.surfaces()[surfaces[0]];
+  const auto region_of = [&](int hop) { return system.surfaces()[surfaces[hop]].region; };
+  struct Part {
+    int chart;
+    double s, t, half;
+  };
+  const auto charts = surface.shape->charts({surface.region, system.center(), system.diameter()});
+  std::vector<Part> parts;
+  constexpr double kHalf = 0.5 / kSeekCells;
+  for (int chart = 0; chart < static_cast<int>(charts.size()); ++chart) {
+    for (int k = 0; k < kSeekCells * kSeekCells; ++k) {
+      parts.push_back(
+          {chart, (2 * (k % kSeekCells) + 1) * kHalf, (2 * (k / kSeekCells) + 1) * kHalf, kHalf});
+    }
+  }
+  for (int level = 0; level < kSeekLevels && parts.size() <= kSeekAtOnce; ++level) {
+    if (through()) return;
+    std::vector<Part> finer;
+    for (const Part& part : parts) {
+      const auto at = [&](int i, int j) {
+        return follow(charts[part.chart].point(part.s + i * part.half, part.t + j * part.half));
+      };
+      const std::array rays{at(-1, -1), at(1, -1), at(1, 1), at(-1, 1), at(0, 0)};
+      const auto farthest = std::max_element(
+          rays.begin(), rays.end(), [](const auto& a, const auto& b) { return a.hop < b.hop; });
+      if (farthest->hop < 0) continue;
+      const Between found = between(rays, rays[4], region_of(farthest->hop));
+      const bool divide =
+          found == Between::perhaps || (found == Between::mixed && level < kMixedLevels);
+      if (!divide) continue;
+      const double half = 0.5 * part.half;
+      for (const double i : {-half, half}) {
+        for (const double j : {-half, half}) {
+          finer.push_back({part.chart, part.s + i, part.t + j, half});
+        }
+      }
+    }
+    parts.swap(finer);
+  }
+}
+
 Vec3 incident(const Light& light, const Point& x) {
   if (const auto* point = std::get_if<PointLight>(&light)) return x - point->position;
   return std::get<CollimatedLight>(light).direction;
@@ -52,6 +107,18 @@ class SideFinder {
   SideFinder(const OpticalSystem& system, const std::vector<int>& surfaces, std::set<std::vector<int>>& out)
       : system_(system), surfaces_(surfaces), slack_(kExistsShare * system.diameter()), out_(out) {}
 
+  /// The ray that meets the first surface at x from `side`; what it misses, if it does. Nothing if
+  /// light comes from the other side there.
+  NearMiss start(const Point& x, int side) {
+    const Vec3 d = incident(system_.light(), x);
+    Vec3 N;
+    system_.surfaces()[surfaces_[0]].shape->value_gradient(x, N);
+    miss_ = {};
+    if (side * N.dot(d) < 0.0) go(x, d, 0, side);
+    return miss_;
+  }
+
+ private:
   void go(const Point& x, const Vec3& direction, std::size_t hop, int side) {
     const SystemSurface& surface = system_.surfaces()[surfaces_[hop]];
     Vec3 N;
@@ -67,7 +134,6 @@ class SideFinder {
     sides_.pop_back();
   }
 
- private:
   void meet(const geometry::Ray& ray, std::size_t hop) {
     const SystemSurface& surface = system_.surfaces()[surfaces_[hop]];
     const bool returns = surfaces_[hop] == surfaces_[hop - 1];
@@ -78,6 +144,7 @@ class SideFinder {
       tau[k] = next_hit(surface, 1 - 2 * k, ray, least, nullptr);
       exists[k] = tau[k] && outside_by(surface, ray.at(*tau[k])) <= slack_;
     }
+    if (!tau[0] && !tau[1]) miss_ = {static_cast<int>(hop), ray.origin, ray.direction};
     const bool open = !exists[0] && !exists[1];
     for (int k = 0; k < 2; ++k) {
       if (!tau[k] || (!open && !exists[k])) continue;
@@ -91,6 +158,7 @@ class SideFinder {
   const std::vector<int>& surfaces_;
   double slack_;
   std::vector<int> sides_;
+  NearMiss miss_;
   std::set<std::vector<int>>& out_;
 };
 
@@ -199,16 +267,13 @@ class Wanderer {
 
 }  // namespace
 
-std::vector<Hops> sides_of(const OpticalSystem& system, const std::vector<int>& surfaces, int side) {
-  const SystemSurface& first = system.surfaces()[surfaces[0]];
+std::vector<Hops> sides_of(const OpticalSystem& system, const std::vector<int>& surfaces,
+                           int side) {
   std::set<std::vector<int>> found;
   SideFinder finder(system, surfaces, found);
-  for_each_point(system, first, [&](const Point& x) {
-    const Vec3 d = incident(system.light(), x);
-    Vec3 N;
-    first.shape->value_gradient(x, N);
-    if (side * N.dot(d) < 0.0) finder.go(x, d, 0, side);
-  });
+  const auto follow = [&](const Point& x) { return finder.start(x, side); };
+  for_each_point(system, system.surfaces()[surfaces[0]], follow);
+  if (found.empty()) seek(system, surfaces, follow, [&] { return !found.empty(); });
   std::vector<Hops> out;
   for (const std::vector<int>& sides : found) {
     Hops hops;

@@ -15,14 +15,12 @@ constexpr int kGridOfMany = 4;
 // break off or jump.
 constexpr int kFoldDepth = 20;
 constexpr int kBrokenDepth = 7;
-constexpr int kDeepest = 22;
 // Cells none of whose nine places is lit are dark from here on.
 constexpr int kDarkDepth = 1;
-// Cells none of whose nine rays arrives are taken for empty once they look this small from the
-// light, or none of their rays comes near the surface that they miss.
+// Cells none of whose nine rays arrives, with nothing small between them, are taken for empty once
+// they look this small from the light.
 constexpr double kSeekShare = 0.05;
 constexpr int kSeekDepth = 7;
-constexpr double kSmallRegion = 20.0;
 // Second differences of rays above this share of the first ones, in cells this small: a jump, where
 // rays pass a silhouette on their way.
 constexpr double kJump = 0.5;
@@ -107,7 +105,7 @@ PathSearch::PathSearch(PencilTracer tracer, const geometry::Extent& extent, int 
       base_(charts_.size() == 1 ? kGridOfOne : kGridOfMany),
       lit_side_(lit_side),
       places_({}, 1.0) {
-  const int size = 1 << kDeepest;
+  const std::int64_t size = std::int64_t{1} << kChartDepth;
   for (int chart = 0; chart < static_cast<int>(charts_.size()); ++chart) {
     for (int i = 0; i < base_; ++i) {
       for (int j = 0; j < base_; ++j) {
@@ -126,14 +124,13 @@ PathSearch::PathSearch(PencilTracer tracer, const geometry::Extent& extent, int 
   places_ = LocationTree(std::move(roots), kFirstRegion * extent.scale);
 }
 
-int PathSearch::sample(int chart, int i, int j) {
-  const std::uint64_t key = (static_cast<std::uint64_t>(chart) << 56) |
-                            (static_cast<std::uint64_t>(i) << 28) | static_cast<std::uint64_t>(j);
-  const auto [entry, fresh] = known_.try_emplace(key, static_cast<int>(samples_.size()));
+int PathSearch::sample(int chart, std::int64_t i, std::int64_t j) {
+  const auto [entry, fresh] =
+      known_.try_emplace(ChartPlace{chart, i, j}, static_cast<int>(samples_.size()));
   if (fresh) {
-    const double unit = 1.0 / (base_ * double(1 << kDeepest));
+    const double unit = grid_unit();
     Sample s;
-    s.x = charts_[chart].point(i * unit, j * unit);
+    s.x = charts_[chart].point(static_cast<double>(i) * unit, static_cast<double>(j) * unit);
     s.lit = lit_side_ == 0 || lit_from(s.x) == lit_side_;
     s.valid = s.x.allFinite() && tracer_.trace_ray(s.x, s.ray);
     samples_.push_back(s);
@@ -142,14 +139,15 @@ int PathSearch::sample(int chart, int i, int j) {
 }
 
 Point PathSearch::place(const Cell& cell, double s, double t) const {
-  const double unit = 1.0 / (base_ * double(1 << kDeepest));
-  const double half = 0.5 * double(1 << (kDeepest - cell.depth));
-  return charts_[cell.chart].point(std::clamp((cell.i + half * (1.0 + s)) * unit, 0.0, 1.0),
-                                   std::clamp((cell.j + half * (1.0 + t)) * unit, 0.0, 1.0));
+  const double unit = grid_unit();
+  const auto half = static_cast<double>(half_side(cell));
+  const auto i = static_cast<double>(cell.i), j = static_cast<double>(cell.j);
+  return charts_[cell.chart].point(std::clamp((i + half * (1.0 + s)) * unit, 0.0, 1.0),
+                                   std::clamp((j + half * (1.0 + t)) * unit, 0.0, 1.0));
 }
 
 void PathSearch::make(Cell& cell) {
-  const int half = 1 << (kDeepest - cell.depth - 1);
+  const std::int64_t half = half_side(cell);
   std::array<int, 9> index;
   int valid = 0, lit = 0;
   double radius = 0.0;
@@ -169,17 +167,18 @@ void PathSearch::make(Cell& cell) {
     });
   };
   if (outside(*tracer_.first().bounds) || outside(charts_[cell.chart].cell)) return;
-  if (valid == 0) {
-    const Point& middle = samples_[index[4]].x;
-    if (cell.depth >= kSeekDepth || apparent_size(middle, radius) < kSeekShare ||
-        !may_come(middle, kRadiusMargin * radius)) {
-      return;
-    }
+  const Between missed = valid < 9 ? between_rays(index) : Between::dense;
+  if (valid == 0 && missed != Between::perhaps) {
+    const bool large =
+        cell.level() < kSeekDepth && apparent_size(samples_[index[4]].x, radius) >= kSeekShare;
+    if (missed == Between::nothing || !large) return;
   }
   // The middle ray, or any that there is, gives the frame.
   const Sample* frame = &samples_[index[4]];
   for (int k = 0; !frame->valid && k < 9; ++k) frame = &samples_[index[k]];
-  cell.kind = valid == 9 ? Kind::smooth : valid == 0 ? Kind::wide : Kind::broken;
+  cell.seeks = missed == Between::perhaps;
+  const bool wide = valid == 0 || cell.seeks;
+  cell.kind = valid == 9 ? Kind::smooth : wide ? Kind::wide : Kind::broken;
   if (valid == 0) return;
   cell.w = frame->ray.w.normalized();
   cell.o = frame->ray.o;
@@ -208,7 +207,7 @@ void PathSearch::make(Cell& cell) {
   cell.bending_o = o.ss + o.tt;
   cell.bending_w = w.ss + w.tt;
   // Beside the light directions vary as much, but there it is the cell that is too large.
-  if (valid == 9 && cell.depth >= kBrokenDepth && tracer_.hops() > 1 &&
+  if (valid == 9 && cell.level() >= kBrokenDepth && tracer_.hops() > 1 &&
       apparent_size(samples_[index[4]].x, radius) < kSeekShare && jumps(index)) {
     cell.kind = Kind::broken;
   }
@@ -254,15 +253,24 @@ double PathSearch::apparent_size(const Point& middle, double radius) const {
   return radius * std::sqrt(cosine) / away;
 }
 
-// False if the middle ray of a cell misses a small surface, and all others do as well.
-bool PathSearch::may_come(const Point& middle, double radius) const {
-  Pencil pencil;
-  if (tracer_.trace(middle, pencil) || pencil.missed < 0) return true;
-  const geometry::Box& region = tracer_.surfaces()[pencil.missed].region;
-  if (region.diagonal() > kSmallRegion * scale_) return true;
-  const double far = (region.center() - pencil.o).norm() + 0.5 * region.diagonal();
-  const double margin = kSpreadFactor * radius * (pencil.dx.norm() + far * pencil.dw.norm());
-  return region.may_meet({pencil.o, far * pencil.w}, margin);
+// Some of the nine rays do not arrive: how those pass that get nearest to what the others miss.
+Between PathSearch::between_rays(const std::array<int, 9>& samples) const {
+  std::array<NearMiss, 9> rays;
+  int missed = -1;
+  for (int k = 0; k < 9; ++k) {
+    const Sample& s = samples_[samples[k]];
+    if (s.valid) continue;
+    rays[k] = {s.ray.missed, s.ray.o, s.ray.w};
+    missed = std::max(missed, s.ray.missed);
+  }
+  if (missed < 0) return Between::mixed;
+  for (int k = 0; k < 9; ++k) {
+    const Sample& s = samples_[samples[k]];
+    if (!s.valid) continue;
+    const Point& o = s.ray.hits[missed - 1];
+    rays[k] = {missed, o, s.ray.hits[missed] - o};
+  }
+  return between(rays, rays[4], tracer_.surfaces()[missed].region);
 }
 
 bool PathSearch::jumps(const std::array<int, 9>& samples) const {
@@ -284,13 +292,14 @@ bool PathSearch::jumps(const std::array<int, 9>& samples) const {
 
 int PathSearch::split(int index) {
   const int first = static_cast<int>(cells_.size());
-  const int half = 1 << (kDeepest - cells_[index].depth - 1);
+  const std::int64_t half = half_side(cells_[index]);
   for (int k = 0; k < 4; ++k) {
     Cell child;
     child.chart = cells_[index].chart;
     child.i = cells_[index].i + (k % 2) * half;
     child.j = cells_[index].j + (k / 2) * half;
     child.depth = cells_[index].depth + 1;
+    child.sought = cells_[index].sought + cells_[index].seeks;
     make(child);
     cells_.push_back(child);
   }
@@ -388,7 +397,10 @@ void PathSearch::refine(const Point& start, const Point& p, Answer& answer) cons
     x = project(x + step);
     // Quadratic convergence: C δ² after δ.
     const double next = k > 0 ? size * (size / last) * (size / last) : size;
-    if (next <= kNextStep * scale_ || (k > 0 && size <= 1e-6 * scale_ && size > 0.5 * last)) {
+    // Or rounding is the limit; steps may be as small before, on something small.
+    const bool stuck = k > 0 && size <= 1e-6 * scale_ && size > 0.5 * last &&
+                       std::hypot(r1, r2) <= kSameSolution * scale_;
+    if (next <= kNextStep * scale_ || stuck) {
       if (!tracer_.trace_ray(x, pencil) || !(pencil.w.dot(p - pencil.o) > 0.0)) return;
       for (const Pencil& other : answer.pencils) {
         if ((other.hits[0] - x).norm() <= kSameSolution * scale_) return;
@@ -401,7 +413,7 @@ void PathSearch::refine(const Point& start, const Point& p, Answer& answer) cons
 }
 
 void PathSearch::refine_from_samples(const Cell& cell, const Point& p, Answer& answer) {
-  const int half = 1 << (kDeepest - cell.depth - 1);
+  const std::int64_t half = half_side(cell);
   for (int k = 0; k < 9; ++k) {
     const int index = sample(cell.chart, cell.i + (k % 3) * half, cell.j + (k / 3) * half);
     if (samples_[index].valid) refine(samples_[index].x, p, answer);
@@ -464,7 +476,8 @@ PathSearch::Answer PathSearch::through(const Point& p) {
     }
     const Cell& cell = cells_[index];
     const int deepest = kind == Kind::broken ? kBrokenDepth : kFoldDepth;
-    if (split_further && cell.depth < deepest && (cell.children >= 0 || cells_.size() < limit)) {
+    const bool divisible = cell.level() < deepest && cell.depth + 2 < kChartDepth;
+    if (split_further && divisible && (cell.children >= 0 || cells_.size() < limit)) {
       const int first = cell.children >= 0 ? cell.children : split(index);
       for (int k = 0; k < 4; ++k) stack_.push_back(first + k);
       continue;

@@ -8,8 +8,10 @@
 #include <vector>
 
 #include "geometry/chart.h"
+#include "solver/chart_place.h"
 #include "solver/location_tree.h"
 #include "solver/pencil.h"
+#include "solver/seek.h"
 
 namespace caustic::solver {
 
@@ -38,7 +40,10 @@ class PathSearch {
   };
   enum class Kind : std::uint8_t { dead, broken, wide, smooth };
   struct Cell {
-    int chart, i, j, depth;  // lower corner in units of the finest cells
+    int chart, depth;
+    std::int64_t i, j;   // lower corner on the grid
+    int sought = 0;      // levels of the depth that were divided to find something small …
+    bool seeks = false;  // … as the next one is
     Kind kind = Kind::dead;
     int children = -1;  // first of four
     Direction u, v, w;
@@ -47,6 +52,7 @@ class PathSearch {
     double reach_o = 0.0, reach_w = 0.0;      // spread of places and directions across w, inflated
     double bending_o = 0.0, bending_w = 0.0;  // largest second differences of rays
     double behind = 0.0;                      // how far before o a ray of the cell may start
+    int level() const { return depth - sought; }
   };
   struct Sample {
     Point x;
@@ -57,11 +63,15 @@ class PathSearch {
   struct Bending;
   struct Locus;  // a cell's image in the plane through p across its middle ray
 
-  int sample(int chart, int i, int j);
+  static std::int64_t half_side(const Cell& cell) {
+    return std::int64_t{1} << (kChartDepth - cell.depth - 1);
+  }
+  double grid_unit() const { return 1.0 / (base_ * double(std::int64_t{1} << kChartDepth)); }
+  int sample(int chart, std::int64_t i, std::int64_t j);
   void make(Cell& cell);
   int lit_from(const Point& x) const;
   double apparent_size(const Point& middle, double radius) const;
-  bool may_come(const Point& middle, double radius) const;
+  Between between_rays(const std::array<int, 9>& samples) const;
   bool jumps(const std::array<int, 9>& samples) const;
   int split(int cell);
   bool may_pass(const Cell& cell, const Point& p, double radius, Locus& locus) const;
@@ -76,7 +86,7 @@ class PathSearch {
   int base_, lit_side_;
   std::vector<Cell> cells_;
   std::vector<Sample> samples_;
-  std::unordered_map<std::uint64_t, int> known_;
+  std::unordered_map<ChartPlace, int, ChartPlaceHash> known_;
   std::vector<int> stack_;
   LocationTree places_;
 };
