@@ -17,6 +17,8 @@ class Analyst final : public TotalObserver {
   void boundaries(SheetCarrier& carrier, const std::vector<BoundaryCurve>& curves,
                   const BoundaryPieces& pieces) override {
     integrator_.emplace(carrier, curves);
+    out_.unsupported = integrator_->unsupported();
+    if (out_.unsupported) return;
     const RegionIntegrals all = integrator_->all(pieces.pieces);
     out_.flux = all.flux;
     out_.undecided += all.unresolved;
@@ -50,16 +52,6 @@ double flux_left_out(const ContourResult& result, const ContourRequest& request)
   return faint;
 }
 
-// A surface of a family may lose light by Fresnel's equations, by an angle that varies.
-bool share_varies(const OpticalSystem& system, const ContourResult& result) {
-  for (const FamilyReport& family : result.families) {
-    for (const int surface : family.surfaces) {
-      if (family.flux > 0.0 && !system.surfaces()[surface].optics.constant_share()) return true;
-    }
-  }
-  return false;
-}
-
 bool warned(const ContourResult& result, const char* code) {
   return std::any_of(result.warnings.begin(), result.warnings.end(),
                      [&](const Warning& w) { return w.code == code; });
@@ -75,11 +67,9 @@ Analysis analyse(const OpticalSystem& system, ContourRequest request) {
   request.caustic = false;
   request.observer = &analyst;
   const ContourResult result = trace_contours(system, request);
-  out.unsupported = result.unsupported;
+  if (result.unsupported) out.unsupported = result.unsupported;
   if (warned(result, "degenerate_family"))
     out.unsupported = "the analysis of light that is all focused into one point or line";
-  if (share_varies(system, result))
-    out.unsupported = "the analysis of light that loses a share which varies with the angle";
   if (out.unsupported) return out;
   out.complete = result.complete;
   out.undecided += result.undecided_cells;

@@ -14,13 +14,22 @@ constexpr double kPoleClearance = 0.1;
 
 FluxPotential::FluxPotential(const FamilyField& field, const Light& light)
     : point_source_(std::holds_alternative<PointLight>(light)), strength_(field.map.strength()) {
-  const Exploration& e = field.exploration;
   if (point_source_) {
     source_ = std::get<PointLight>(light).position;
     turn_away(field);
-    return;
+  } else {
+    source_ = std::get<CollimatedLight>(light).direction;
+    move_to_middle(field);
   }
-  source_ = std::get<CollimatedLight>(light).direction;
+  for (int hop = 0; hop < field.map.hop_count(); ++hop) {
+    if (!share_ && !field.map.surface(hop).optics.constant_share())
+      share_.emplace(field.map, axis_);
+  }
+}
+
+// c is in the middle of what is lit.
+void FluxPotential::move_to_middle(const FamilyField& field) {
+  const Exploration& e = field.exploration;
   axis_ = Vec3::Zero();
   for (const Cell& cell : e.cells) axis_ += e.samples[cell.center].x / double(e.cells.size());
   for (const Cell& cell : e.cells) {
@@ -68,11 +77,18 @@ void FluxPotential::turn_away(const FamilyField& field) {
   pole_ = field.exploration.samples[widest.sample];
 }
 
-double FluxPotential::along(const Point& x, const Vec3& dx) const {
-  if (!point_source_) return -0.5 * strength_ * source_.dot((x - axis_).cross(dx));
-  const Vec3 d = x - source_;
-  const double distance = d.norm(), cosine = axis_.dot(d) / distance;
-  return -strength_ * axis_.dot(d.cross(dx)) / (distance * distance * (1.0 + cosine));
+Estimate FluxPotential::along(const Point& x, const Vec3& dx) const {
+  double A;
+  if (point_source_) {
+    const Vec3 d = x - source_;
+    const double distance = d.norm(), cosine = axis_.dot(d) / distance;
+    A = -strength_ * axis_.dot(d.cross(dx)) / (distance * distance * (1.0 + cosine));
+  } else {
+    A = -0.5 * strength_ * source_.dot((x - axis_).cross(dx));
+  }
+  if (!share_) return {A, 0.0};
+  const Estimate share = share_->at(x);
+  return {A * share.value, std::abs(A) * share.error};
 }
 
 Vec3 FluxPotential::closing(const Point& x, const Vec3& dx) const {

@@ -15,13 +15,13 @@ constexpr std::array<double, 5> kPlaces{-0.92582009977255146, -0.577350269189625
 constexpr std::array<double, 5> kWeights{98.0 / 495.0, 27.0 / 55.0, 28.0 / 45.0, 27.0 / 55.0,
                                          98.0 / 495.0};
 // A segment is halved until it is wrong by less than this share of the whole, or so often.
-constexpr double kSegmentShare = 1e-12;
+constexpr double kSegmentShare = 1e-11;
 constexpr int kMaxHalvings = 12;
 constexpr double kNoiseFactor = 4.0;
 // Sums of terms of the size of the whole, each wrong by some roundings.
 constexpr double kSumRoundings = 8.0;
 
-enum { kArea, kFlux, kNoise, kClosing, kClosingFlux = kClosing + 2 };
+enum { kArea, kFlux, kNoise, kShareError, kClosing, kClosingFlux = kClosing + 2 };
 
 }  // namespace
 
@@ -37,11 +37,22 @@ RegionIntegrator::RegionIntegrator(SheetCarrier& carrier, const std::vector<Boun
   }
 }
 
+std::optional<std::string> RegionIntegrator::unsupported() const {
+  for (const FluxPotential& potential : potentials_) {
+    if (potential.lacks_pole_flux())
+      return "the analysis of light that goes all round and loses a share which varies with the "
+             "angle";
+  }
+  return std::nullopt;
+}
+
 // s A(x)[dx], and the exact form.
 void RegionIntegrator::add_sheet(const Branch& sheet, const Vec3& dx, Density& sum) const {
   const double s = std::copysign(1.0, sheet.at.a);
   const FluxPotential& potential = potentials_[sheet.field];
-  sum[kFlux] += s * potential.along(sheet.at.x, dx);
+  const Estimate term = potential.along(sheet.at.x, dx);
+  sum[kFlux] += s * term.value;
+  sum[kShareError] += term.error;
   sum.segment<3>(kClosingFlux) += s * potential.closing(sheet.at.x, dx);
 }
 
@@ -84,10 +95,11 @@ void RegionIntegrator::integrate(const DensityAt& density_at, double begin, doub
     if (k == 1 || k == 3) two += half * *at;
   }
   const Density error = (five - two).cwiseAbs();
-  // Rounding does not become less by halving.
-  const double noise = kNoiseFactor * five[kNoise];
-  const bool rough = error[kArea] > kSegmentShare * area_scale_ + noise ||
-                     error[kFlux] > kSegmentShare * flux_scale_ + level_ * noise;
+  // What points are off by themselves does not become less by halving.
+  const double area_noise = kNoiseFactor * five[kNoise],
+               flux_noise = level_ * area_noise + kNoiseFactor * five[kShareError];
+  const bool rough = error[kArea] > kSegmentShare * area_scale_ + area_noise ||
+                     error[kFlux] > kSegmentShare * flux_scale_ + flux_noise;
   if (rough && depth < kMaxHalvings) {
     integrate(density_at, begin, begin + half, depth + 1);
     integrate(density_at, begin + half, end, depth + 1);
@@ -171,8 +183,8 @@ RegionIntegrals RegionIntegrator::result() {
   out.area.error = errors_[kArea] + sum_[kNoise] + 0.5 * lever * sum_.segment<2>(kClosing).norm() +
                    rounding * area_scale_;
   out.flux.value = sum_[kFlux] + flux_beyond_poles();
-  out.flux.error = errors_[kFlux] + level_ * sum_[kNoise] + sum_.segment<3>(kClosingFlux).norm() +
-                   rounding * flux_scale_;
+  out.flux.error = errors_[kFlux] + sum_[kShareError] + level_ * sum_[kNoise] +
+                   sum_.segment<3>(kClosingFlux).norm() + rounding * flux_scale_;
   out.unresolved = unresolved_;
   return out;
 }

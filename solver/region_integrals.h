@@ -20,6 +20,8 @@ class RegionIntegrator {
  public:
   RegionIntegrator(SheetCarrier& carrier, const std::vector<BoundaryCurve>& curves);
 
+  /// What of these fields it cannot do; nothing if it can.
+  std::optional<std::string> unsupported() const;
   /// Of everything that reaches the receiver; the area is the receiver's.
   RegionIntegrals all(const std::vector<BoundaryPiece>& pieces);
   /// A region begins with its boundaries; its level arcs follow.
@@ -29,8 +31,9 @@ class RegionIntegrator {
   RegionIntegrals result();
 
  private:
-  // Area, flux, what rounding of x moves the area by, ∮dq, Σ∮s of exact forms.
-  using Density = Eigen::Matrix<double, 8, 1>;
+  // Area, flux, what rounding of x moves the area by, what the flux is off by where shares vary,
+  // ∮dq, Σ∮s of exact forms.
+  using Density = Eigen::Matrix<double, 9, 1>;
   // What counts along a boundary.
   struct Count {
     bool others, own, area;

@@ -99,10 +99,14 @@ TEST(AnalysisCall, names_every_fault) {
 
 TEST(AnalysisCall, says_what_this_version_lacks) {
   json request = analysis_request();
-  json& optics = test::surface(request)["optics"];
-  optics.erase("reflectance");
-  optics["n"] = 1.5;
-  optics["k"] = 4.0;
+  json& scene = request["scene"];
+  scene["light"]["position"] = {0, 0, -0.6};  // in one focus
+  scene["surfaces"][0]["shape"] = {
+      {"type", "ellipsoid"}, {"center", {0, 0, 0}}, {"semi_axes", {0.8, 0.8, 1}}};
+  scene["surfaces"][0]["aperture"] = {
+      {{"type", "box"}, {"min", {-1, -1, -1}}, {"max", {1, 1, 0.3}}}};
+  scene["receiver"]["origin"] = {0, 0, 0.6};
+  scene["receiver"]["size"] = {0.4, 0.4};
   EXPECT_EQ(faults_of(request), Pointers{"/scene"});
 }
 
