@@ -11,7 +11,7 @@ namespace {
 constexpr int kMaxSteps = 12;
 // Halvings of a step beyond the end of all paths: near it f ~ A u^(−1/2) − B at a distance u, and
 // Newton's step from u to 3u − 2u^(3/2)/u₀^(1/2), u₀ the root, leaves them where u > 9/4 u₀.
-constexpr int kMaxHalvings = 6;
+constexpr int kStepHalvings = 6;
 // Residuals below this many rounding errors of x are as small as they get.
 constexpr double kRoundings = 4.0;
 
@@ -40,7 +40,7 @@ std::optional<FieldPoint> correct(Evaluator& evaluate, const LevelFunction& f,
     previous = residual;
     if (!step.allFinite()) return std::nullopt;
     FieldPoint next = evaluate.on_surface(at.x + step, at.hits.get());
-    for (int k = 1; !next.finite && k <= kMaxHalvings; ++k) {
+    for (int k = 1; !next.finite && k <= kStepHalvings; ++k) {
       next = evaluate.on_surface(at.x + std::ldexp(1.0, -k) * step, at.hits.get());
     }
     at = std::move(next);

@@ -57,12 +57,12 @@ void seek(const OpticalSystem& system, const std::vector<int>& surfaces, const F
           const Through& through) {
   const SystemSurface& surface = system.surfaces()[surfaces[0]];
   const auto region_of = [&](int hop) { return system.surfaces()[surfaces[hop]].region; };
-  struct Part {
+  struct Patch {
     int chart;
     double s, t, half;
   };
   const auto charts = surface.shape->charts({surface.region, system.center(), system.diameter()});
-  std::vector<Part> parts;
+  std::vector<Patch> parts;
   constexpr double kHalf = 0.5 / kSeekCells;
   for (int chart = 0; chart < static_cast<int>(charts.size()); ++chart) {
     for (int k = 0; k < kSeekCells * kSeekCells; ++k) {
@@ -72,8 +72,8 @@ void seek(const OpticalSystem& system, const std::vector<int>& surfaces, const F
   }
   for (int level = 0; level < kSeekLevels && parts.size() <= kSeekAtOnce; ++level) {
     if (through()) return;
-    std::vector<Part> finer;
-    for (const Part& part : parts) {
+    std::vector<Patch> finer;
+    for (const Patch& part : parts) {
       const auto at = [&](int i, int j) {
         return follow(charts[part.chart].point(part.s + i * part.half, part.t + j * part.half));
       };
