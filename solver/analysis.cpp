@@ -19,7 +19,7 @@ class Analyst final : public TotalObserver {
     integrator_.emplace(carrier, curves);
     out_.unsupported = integrator_->unsupported();
     if (out_.unsupported) return;
-    const RegionIntegrals all = integrator_->all(pieces.pieces);
+    const RegionIntegrals all = integrator_->all(pieces);
     out_.flux = all.flux;
     out_.undecided += all.unresolved;
     const TotalExtremes extremes = find_extremes(carrier, curves, pieces.pieces);
@@ -30,8 +30,8 @@ class Analyst final : public TotalObserver {
     integrator_->begin(level, found);
   }
   void level_arc(double, const LevelArc& arc) override { integrator_->add(arc); }
-  void level_traced(double level) override {
-    const RegionIntegrals region = integrator_->result();
+  void level_traced(double level, std::size_t unresolved) override {
+    const RegionIntegrals region = integrator_->result(unresolved);
     out_.levels.push_back({level, region.area, region.flux});
     out_.undecided += region.unresolved;
   }
@@ -80,8 +80,8 @@ Analysis analyse(const OpticalSystem& system, ContourRequest request) {
   }
   if (out.undecided > 0 && !warned(result, "unresolved")) {
     out.warnings.push_back({"unresolved", std::to_string(out.undecided) +
-                                              " places could not be settled: values may be off by "
-                                              "more than their errors"});
+                                              " places could not be settled: where they matter, "
+                                              "errors are as large as areas and fluxes may be"});
   }
   out.flux.error += flux_left_out(result, request);
   const Vec2& half = system.receiver().half;

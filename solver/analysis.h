@@ -31,7 +31,7 @@ struct Analysis {
   Estimate average;                        ///< of the irradiance over the receiver, W/m²
   Extreme min, max;
   std::vector<LevelAnalysis> levels;  ///< ascending
-  std::size_t undecided = 0;  ///< places that could not be settled: errors do not know of them
+  std::size_t undecided = 0;  ///< places that could not be settled; areas and fluxes know of them
   std::vector<Warning> warnings;
 
   /// E_min/E_avg and E_min/E_max; nothing where no light is.

@@ -14,8 +14,10 @@ constexpr double kLastStep = 1e-12;
 // A step below this many chords that is not much shorter than the one before is rounding.
 constexpr double kRoundingStep = 1e-3;
 constexpr double kFurthestFromChord = 2.0;
-// A place on a boundary is where its chord's share says to this.
+// A place on a boundary is where its chord's share says to this, or after so many steps.
 constexpr double kShareResidual = 1e-14;
+constexpr int kMaxPlaceSteps = 5;
+constexpr int kMaxCarryHalvings = 6;
 // A sheet whose a falls to this share between two vertices ends in a fold at the second one.
 constexpr double kFoldedShare = 0.1;
 // Roundings of E itself.
@@ -70,47 +72,86 @@ std::optional<ArcPoint> along_level(SheetCarrier& carrier, double level, const A
   return std::nullopt;
 }
 
-std::optional<ArcPoint> along_boundary(SheetCarrier& carrier, const BoundaryCurve& curve,
-                                       const BoundaryVertex& a, const BoundaryVertex& b, double t) {
-  const bool a_folds = b.followed && folds(a, b), b_folds = a.followed && folds(b, a);
-  double w = t, speed = 1.0;
-  if (a_folds) {
-    w = t * t;
-    speed = 2.0 * t;
-  } else if (b_folds) {
-    w = t * (2.0 - t);
-    speed = 2.0 * (1.0 - t);
-  }
-  const bool from_a = b_folds || (!a_folds && w < 0.5);
-  ArcPoint at;
-  at.branches = (from_a ? a : b).others;
-  if (curve.on_receiver_edge()) {
-    at.q = a.at.q + w * (b.at.q - a.at.q);
-    at.dq = speed * (b.at.q - a.at.q);
-  } else {
-    const Vec3 chord = b.at.own.x - a.at.own.x;
+namespace {
+
+// Points of one segment of a boundary by their chord's share, without what is carried there.
+class BoundarySegment {
+ public:
+  BoundarySegment(SheetCarrier& carrier, const BoundaryCurve& curve, const BoundaryVertex& a,
+                  const BoundaryVertex& b)
+      : carrier_(carrier), curve_(curve), a_(a), b_(b) {}
+
+  std::optional<ArcPoint> at(double w) const {
+    ArcPoint at;
+    if (curve_.on_receiver_edge()) {
+      at.dq = b_.at.q - a_.at.q;
+      at.q = a_.at.q + w * at.dq;
+      return at;
+    }
+    const Vec3 chord = b_.at.own.x - a_.at.own.x;
     const double length2 = chord.squaredNorm();
-    BoundaryPlace near = (from_a ? a : b).at;
-    near.own.x = a.at.own.x + w * chord;
-    const LevelFunction function = curve.function(carrier.field(curve.field));
-    for (int i = 0;; ++i) {
-      const auto place = settle_on(carrier, curve, near);
+    BoundaryPlace near = (w < 0.5 ? a_ : b_).at;
+    near.own.x = a_.at.own.x + w * chord;
+    const LevelFunction function = curve_.function(carrier_.field(curve_.field));
+    for (int i = 0; i < kMaxPlaceSteps; ++i) {
+      const auto place = settle_on(carrier_, curve_, near);
       if (!place) return std::nullopt;
       const Vec3 tangent = function.tangent(place->own);
       const double along = tangent.dot(chord);
-      const double miss = w * length2 - chord.dot(place->own.x - a.at.own.x);
+      const double miss = w * length2 - chord.dot(place->own.x - a_.at.own.x);
       at.own = place->own;
       at.q = place->q;
-      at.dx = (speed * length2 / along) * tangent;
+      at.dx = (length2 / along) * tangent;
       if (!at.dx.allFinite()) return std::nullopt;
-      // Off by this much is off by its square in the integral's points, not in the curve.
-      if (std::abs(miss) <= kShareResidual * length2 || i == 4) break;
+      if (std::abs(miss) <= kShareResidual * length2) break;
       near = *place;
       near.own.x += (miss / along) * tangent;
     }
-    at.dq = at.own.push_forward(at.dx);
+    at.dq = at.own->push_forward(at.dx);
+    return at;
   }
-  if (!carrier.carry(at.branches, at.q)) return std::nullopt;
+
+  /// Carries along the segment, in halves where one step is too long; false if that is not enough.
+  bool carry(Branches& branches, double from, double to, int depth = 0) const {
+    const auto end = at(to);
+    if (!end) return false;
+    if (carrier_.carry(branches, end->q)) return true;
+    if (depth == kMaxCarryHalvings) return false;
+    const double middle = 0.5 * (from + to);
+    return carry(branches, from, middle, depth + 1) && carry(branches, middle, to, depth + 1);
+  }
+
+ private:
+  SheetCarrier& carrier_;
+  const BoundaryCurve& curve_;
+  const BoundaryVertex &a_, &b_;
+};
+
+}  // namespace
+
+std::optional<ArcPoint> along_boundary(SheetCarrier& carrier, const BoundaryCurve& curve,
+                                       const BoundaryVertex& a, const BoundaryVertex& b, double t) {
+  const bool a_folds = b.followed && folds(a, b), b_folds = a.followed && folds(b, a);
+  const BoundarySegment segment(carrier, curve, a, b);
+  const double w = a_folds ? t * t : b_folds ? t * (2.0 - t) : t;
+  const double speed = a_folds ? 2.0 * t : b_folds ? 2.0 * (1.0 - t) : 1.0;
+  auto at = segment.at(w);
+  if (!at) return std::nullopt;
+  const bool from_a = b_folds || (!a_folds && w < 0.5);
+  at->branches = (from_a ? a : b).others;
+  // Towards a fold half the distance that is left at a time.
+  double place = from_a ? 0.0 : 1.0;
+  if (a_folds || b_folds) {
+    const double fold = from_a ? 1.0 : 0.0;
+    for (double next = 0.5 * (place + fold); std::abs(next - fold) > std::abs(w - fold);
+         next = 0.5 * (place + fold)) {
+      if (!segment.carry(at->branches, place, next)) return std::nullopt;
+      place = next;
+    }
+  }
+  if (!segment.carry(at->branches, place, w)) return std::nullopt;
+  at->dq *= speed;
+  at->dx *= speed;
   return at;
 }
 

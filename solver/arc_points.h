@@ -9,9 +9,10 @@ namespace caustic::solver {
 
 /// A point of a segment as a function of its parameter in [0, 1].
 struct ArcPoint {
-  Vec2 q, dq;              ///< place on the receiver and its derivative
-  Branches branches;       ///< of a boundary: all but its own
-  FieldPoint own;          ///< of a boundary but the receiver's edge: the end of its own sheet
+  Vec2 q, dq;         ///< place on the receiver and its derivative
+  Branches branches;  ///< of a boundary: all but its own
+  std::optional<FieldPoint>
+      own;                 ///< of a boundary but the receiver's edge: the end of its own sheet
   Vec3 dx = Vec3::Zero();  ///< derivative of own.x
 };
 

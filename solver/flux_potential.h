@@ -22,6 +22,10 @@ class FluxPotential {
   /// round a region which holds it.
   const std::optional<FieldPoint>& pole() const { return pole_; }
   double pole_flux() const { return 4.0 * geometry::kPi * strength_; }
+  /// The family cannot bring more, W.
+  double power() const {
+    return (point_source_ ? 4.0 : reach_ * reach_) * geometry::kPi * strength_;
+  }
   /// With a share that varies it is not.
   bool lacks_pole_flux() const { return pole_ && share_; }
 

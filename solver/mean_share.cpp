@@ -14,7 +14,8 @@ constexpr unsigned kMaxShareHalvings = 14;
 constexpr double kBeyond = 0.05;
 
 // Where the ray is within a box; empty if nowhere.
-std::pair<double, double> inside(const geometry::Box& box, double margin, const geometry::Ray& ray) {
+std::pair<double, double> inside(const geometry::Box& box, double margin,
+                                 const geometry::Ray& ray) {
   double enter = 0.0, leave = 1.0;
   for (int i = 0; i < 3; ++i) {
     double near = (box.min[i] - margin - ray.origin[i]) / ray.direction[i];

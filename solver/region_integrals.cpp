@@ -23,6 +23,12 @@ constexpr double kSumRoundings = 8.0;
 
 enum { kArea, kFlux, kNoise, kShareError, kClosing, kClosingFlux = kClosing + 2 };
 
+// Of a value that is sure to lie between 0 and `most`, and of nothing else.
+void bound(Estimate& estimate, double most) {
+  estimate.value = std::clamp(estimate.value, 0.0, most);
+  estimate.error = std::max(estimate.value, most - estimate.value);
+}
+
 }  // namespace
 
 RegionIntegrator::RegionIntegrator(SheetCarrier& carrier, const std::vector<BoundaryCurve>& curves)
@@ -32,6 +38,7 @@ RegionIntegrator::RegionIntegrator(SheetCarrier& carrier, const std::vector<Boun
   for (int i = 0; i < carrier.field_count(); ++i) {
     potentials_.emplace_back(carrier.field(i), carrier.system().light());
     flux_scale_ += carrier.field(i).flux;
+    most_flux_ += potentials_.back().power();
     const auto& pole = potentials_.back().pole();
     pole_totals_.push_back(pole ? total_of(carrier.find(pole->q)).E : 0.0);
   }
@@ -72,7 +79,7 @@ RegionIntegrator::Density RegionIntegrator::boundary_density(const ArcPoint& at,
   if (count.others) {
     for (const Branch& b : at.branches) add_sheet(b, b.at.pull_back(at.dq), sum);
   }
-  if (count.own) add_sheet({field, at.own}, at.dx, sum);
+  if (count.own) add_sheet({field, *at.own}, at.dx, sum);
   if (count.area) {
     sum[kArea] = 0.5 * (at.q.x() * at.dq.y() - at.q.y() * at.dq.x());
     sum.segment<2>(kClosing) = at.dq;
@@ -124,16 +131,18 @@ void RegionIntegrator::add(const BoundaryCurve& curve, const std::vector<Boundar
   }
 }
 
-RegionIntegrals RegionIntegrator::all(const std::vector<BoundaryPiece>& pieces) {
+RegionIntegrals RegionIntegrator::all(const BoundaryPieces& pieces) {
   begin(0.0, {});
-  for (const BoundaryPiece& piece : pieces) {
+  for (const BoundaryPiece& piece : pieces.pieces) {
     const BoundaryCurve& curve = curves_[piece.curve];
     if (curve.kind == BoundaryKind::caustic) continue;
     const bool edge = curve.on_receiver_edge();
     // A closed piece repeats its first vertex.
     add(curve, piece.vertices, false, {edge, !edge, edge});
   }
-  return result();
+  const RegionIntegrals all = result(pieces.unresolved);
+  most_flux_ = std::min(most_flux_, all.flux.value + all.flux.error);
+  return all;
 }
 
 void RegionIntegrator::begin(double level, const LevelOnBoundaries& found) {
@@ -175,7 +184,7 @@ double RegionIntegrator::flux_beyond_poles() const {
   return sum;
 }
 
-RegionIntegrals RegionIntegrator::result() {
+RegionIntegrals RegionIntegrator::result(std::size_t unresolved) {
   const double rounding = kSumRoundings * geometry::kEpsilon * double(points_);
   const double lever = carrier_.system().receiver().half.norm();
   RegionIntegrals out;
@@ -186,6 +195,10 @@ RegionIntegrals RegionIntegrator::result() {
   out.flux.error = errors_[kFlux] + sum_[kShareError] + level_ * sum_[kNoise] +
                    sum_.segment<3>(kClosingFlux).norm() + rounding * flux_scale_;
   out.unresolved = unresolved_;
+  if (unresolved + unresolved_ > 0) {
+    bound(out.area, area_scale_);
+    bound(out.flux, most_flux_);
+  }
   return out;
 }
 

@@ -13,7 +13,7 @@ namespace caustic::solver {
 struct RegionIntegrals {
   Estimate area;               ///< m²
   Estimate flux;               ///< W
-  std::size_t unresolved = 0;  ///< segments that could not be followed; errors do not know of them
+  std::size_t unresolved = 0;  ///< segments that could not be followed
 };
 
 class RegionIntegrator {
@@ -23,12 +23,13 @@ class RegionIntegrator {
   /// What of these fields it cannot do; nothing if it can.
   std::optional<std::string> unsupported() const;
   /// Of everything that reaches the receiver; the area is the receiver's.
-  RegionIntegrals all(const std::vector<BoundaryPiece>& pieces);
+  RegionIntegrals all(const BoundaryPieces& pieces);
   /// A region begins with its boundaries; its level arcs follow.
   void begin(double level, const LevelOnBoundaries& found);
   void add(const LevelArc& arc);
-  /// What has been added since the region began.
-  RegionIntegrals result();
+  /// What has been added since the region began. Where something of its edge is unresolved, errors
+  /// are what is sure without it: no more than all of the receiver, and of the light.
+  RegionIntegrals result(std::size_t unresolved);
 
  private:
   // Area, flux, what rounding of x moves the area by, what the flux is off by where shares vary,
@@ -53,6 +54,7 @@ class RegionIntegrator {
   std::vector<FluxPotential> potentials_;  // of each field
   std::vector<double> pole_totals_;        // E_tot where a potential has its pole
   double area_scale_, flux_scale_ = 0.0;
+  double most_flux_ = 0.0;  // what is sure not to be exceeded, W
   double level_ = 0.0;
   Density sum_, errors_;
   std::size_t unresolved_ = 0, points_ = 0;

@@ -150,6 +150,7 @@ void TotalTracer::take(const JumpArc& jump, double level, std::vector<Drawn>& dr
 }
 
 void TotalTracer::trace(double level, int& rings) {
+  const std::size_t unresolved = result_.unresolved;
   LevelOnBoundaries found =
       level_on_boundaries(carrier_, curves_, pieces_.pieces, level, residual_);
   if (observer_) observer_->level_on_boundaries(level, found);
@@ -167,7 +168,6 @@ void TotalTracer::trace(double level, int& rings) {
     take(tracer.follow(place->q, place->branches, ends), level, drawn);
   }
   result_.unresolved += ends.size() + grid_.undecided() - undecided;
-  if (observer_) observer_->level_traced(level);
 
   std::vector<RingArc> arcs;
   for (const Drawn& d : drawn) arcs.push_back(d.arc);
@@ -179,6 +179,7 @@ void TotalTracer::trace(double level, int& rings) {
     result_.curves.push_back(std::move(drawn[k].curve));
   }
   rings += joined.id.empty() ? 0 : 1 + *std::max_element(joined.id.begin(), joined.id.end());
+  if (observer_) observer_->level_traced(level, result_.unresolved - unresolved);
 }
 
 }  // namespace

@@ -31,7 +31,8 @@ class TotalObserver {
   /// A level's nodes and parts of boundaries, then its arcs.
   virtual void level_on_boundaries(double level, const LevelOnBoundaries& found) = 0;
   virtual void level_arc(double level, const LevelArc& arc) = 0;
-  virtual void level_traced(double level) = 0;
+  /// With what of the level could not be followed or closed.
+  virtual void level_traced(double level, std::size_t unresolved) = 0;
 };
 
 /// `levels` ascending, W/m²; `chord` m; `residual` as for sheets. Fields must be explored; the

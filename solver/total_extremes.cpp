@@ -82,6 +82,7 @@ class ExtremeFinder {
 };
 
 void ExtremeFinder::take(const Vec2& q, double E, double error) {
+  E = std::max(E, 0.0);  // rounding, next to silhouettes
   if (E < out_.min.E.value) out_.min = {{E, error}, q, false};
   if (E > out_.max.E.value && !out_.max.unbounded) out_.max = {{E, error}, q, false};
 }
@@ -139,7 +140,7 @@ void ExtremeFinder::look_between(const BoundaryCurve& curve, const Side& side,
     auto found = along_boundary(carrier_, curve, a, b, t);
     if (!found) return std::numeric_limits<double>::quiet_NaN();
     at = std::move(*found);
-    if (side.inside && !curve.on_receiver_edge()) at.branches.push_back({curve.field, at.own});
+    if (side.inside && !curve.on_receiver_edge()) at.branches.push_back({curve.field, *at.own});
     there = total_of(at.branches);
     return there.gradient.dot(at.dq);
   };
