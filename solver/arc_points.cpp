@@ -10,9 +10,9 @@ namespace {
 constexpr int kMaxPointSteps = 12;
 // Newton's step that need not be taken any more, in chords, and the largest distance from the
 // chord.
-constexpr double kLastStep = 1e-12;
+constexpr double kLastArcStep = 1e-12;
 // A step below this many chords that is not much shorter than the one before is rounding.
-constexpr double kRoundingStep = 1e-3;
+constexpr double kRoundingArcStep = 1e-3;
 constexpr double kFurthestFromChord = 2.0;
 // A place on a boundary is where its chord's share says to this, or after so many steps.
 constexpr double kShareResidual = 1e-14;
@@ -56,13 +56,13 @@ std::optional<ArcPoint> along_level(SheetCarrier& carrier, double level, const A
     const Vec2 q = a.q + t * chord + h * across;
     // What is left may be too short a way to be told from rounding.
     const bool there = carrier.carry(at.branches, q);
-    if (!there && !(last < kRoundingStep)) return std::nullopt;
+    if (!there && !(last < kRoundingArcStep)) return std::nullopt;
     if (there) at.q = q;
     const Total total = total_of(at.branches);
     const double slope = total.gradient.dot(across), step = (level - total.E) / slope;
     if (!std::isfinite(step) || std::abs(h + step) > kFurthestFromChord) return std::nullopt;
-    const bool all_rounding = last < kRoundingStep && std::abs(step) > 0.5 * last;
-    if (!there || all_rounding || std::abs(step) <= kLastStep) {
+    const bool all_rounding = last < kRoundingArcStep && std::abs(step) > 0.5 * last;
+    if (!there || all_rounding || std::abs(step) <= kLastArcStep) {
       at.dq = chord - (total.gradient.dot(chord) / slope) * across;
       return at;
     }

@@ -16,7 +16,7 @@ constexpr std::array<double, 5> kWeights{98.0 / 495.0, 27.0 / 55.0, 28.0 / 45.0,
                                          98.0 / 495.0};
 // A segment is halved until it is wrong by less than this share of the whole, or so often.
 constexpr double kSegmentShare = 1e-11;
-constexpr int kMaxHalvings = 12;
+constexpr int kMaxSegmentHalvings = 12;
 constexpr double kNoiseFactor = 4.0;
 // Sums of terms of the size of the whole, each wrong by some roundings.
 constexpr double kSumRoundings = 8.0;
@@ -107,7 +107,7 @@ void RegionIntegrator::integrate(const DensityAt& density_at, double begin, doub
                flux_noise = level_ * area_noise + kNoiseFactor * five[kShareError];
   const bool rough = error[kArea] > kSegmentShare * area_scale_ + area_noise ||
                      error[kFlux] > kSegmentShare * flux_scale_ + flux_noise;
-  if (rough && depth < kMaxHalvings) {
+  if (rough && depth < kMaxSegmentHalvings) {
     integrate(density_at, begin, begin + half, depth + 1);
     integrate(density_at, begin + half, end, depth + 1);
     return;

@@ -22,7 +22,7 @@ constexpr double kLastGain = 1e-14;
 // Totals that differ by no more than this share are of the same sheets.
 constexpr double kSameTotal = 1e-7;
 // Sheets end this many roundings beyond their domain.
-constexpr double kEndRoundings = 100.0;
+constexpr double kSheetEndRoundings = 100.0;
 // Curvatures below this share of the other one's, or that would change E by less than this share
 // over the receiver, are rounding of the differences.
 constexpr double kNoCurvature = 1e-6;
@@ -224,7 +224,7 @@ bool ExtremeFinder::exist(const Branches& branches) const {
   return std::all_of(branches.begin(), branches.end(), [&](const Branch& b) {
     const FamilyField& field = carrier_.field(b.field);
     return b.at.lit() &&
-           field.domain.worst(b.at).value <= kEndRoundings * field.map.rounding(b.at.x) *
+           field.domain.worst(b.at).value <= kSheetEndRoundings * field.map.rounding(b.at.x) *
                                                  (1.0 + b.at.q_s.norm() + b.at.q_t.norm());
   });
 }
