@@ -4,6 +4,7 @@
 
 #include "geometry/quadric.h"
 #include "geometry/root_finding.h"
+#include "geometry/rotated_third.h"
 
 namespace caustic::geometry {
 
@@ -110,7 +111,8 @@ class Asphere final : public Surface {
     Mat3 H = Mat3::Zero();
     const Vec2 flat = y.head<2>();
     H.topLeftCorner<2, 2>() = -4.0 * s[2] * flat * flat.transpose() - 2.0 * s[1] * Mat2::Identity();
-    return {y.z() - sag_.at(across(y))[0], axes_ * Vec3(-2.0 * s[1] * y.x(), -2.0 * s[1] * y.y(), 1.0),
+    return {y.z() - sag_.at(across(y))[0],
+            axes_ * Vec3(-2.0 * s[1] * y.x(), -2.0 * s[1] * y.y(), 1.0),
             axes_ * H * axes_.transpose()};
   }
   Vec3 third_derivative(const Point& x, const Vec3& u, const Vec3& v) const override {
@@ -144,9 +146,25 @@ class Asphere final : public Surface {
     const Interval s0 = sag_.range(0, u.lo, u.hi), s1 = sag_.range(1, u.lo, u.hi);
     const Interval s2 = sag_.range(2, u.lo, u.hi);
     SurfaceEnclosure e{y[2] - s0, {-2.0 * s1 * y[0], -2.0 * s1 * y[1], 1.0}, {}};
-    e.hessian = {-4.0 * s2 * sqr(y[0]) - 2.0 * s1, -4.0 * s2 * y[0] * y[1], 0.0,
-                 -4.0 * s2 * sqr(y[1]) - 2.0 * s1, 0.0, 0.0};
+    e.hessian = {-4.0 * s2 * sqr(y[0]) - 2.0 * s1,
+                 -4.0 * s2 * y[0] * y[1],
+                 0.0,
+                 -4.0 * s2 * sqr(y[1]) - 2.0 * s1,
+                 0.0,
+                 0.0};
     return rotated(e, axes_);
+  }
+  IntervalSym333 enclose_third(const IntervalVec3& x) const override {
+    const IntervalVec3 y = transposed(axes_, x - o_);
+    const Interval u = sqr(y[0]) + sqr(y[1]);
+    const Interval s2 = sag_.range(2, u.lo, u.hi), s3 = sag_.range(3, u.lo, u.hi);
+    IntervalSym333 third;
+    third.fill(Interval(0.0));
+    third[packed_index(0, 0, 0)] = -8.0 * s3 * power(y[0], 3) - 12.0 * s2 * y[0];
+    third[packed_index(0, 0, 1)] = -8.0 * s3 * sqr(y[0]) * y[1] - 4.0 * s2 * y[1];
+    third[packed_index(0, 1, 1)] = -8.0 * s3 * y[0] * sqr(y[1]) - 4.0 * s2 * y[0];
+    third[packed_index(1, 1, 1)] = -8.0 * s3 * power(y[1], 3) - 12.0 * s2 * y[1];
+    return rotated(third, axes_);
   }
   Box bounds() const override {
     if (!std::isfinite(last_)) return {};
@@ -160,8 +178,8 @@ class Asphere final : public Surface {
   std::vector<Chart> charts(const Extent& extent) const override {
     const Sag sag = sag_;
     if (!std::isfinite(last_)) {
-      return sheet_charts(o_, axes_, {[sag](double a, double b) { return sag.at(a * a + b * b)[0]; }})(
-          extent);
+      return sheet_charts(o_, axes_,
+                          {[sag](double a, double b) { return sag.at(a * a + b * b)[0]; }})(extent);
     }
     // Square to disc: x = a√(1 − b²/2), y = b√(1 − a²/2); no further than the region reaches, since
     // near the last radius the surface is steep and large.
@@ -183,14 +201,13 @@ class Asphere final : public Surface {
   Vec3 local(const Point& x) const { return axes_.transpose() * (x - o_); }
   static double across(const Vec3& y) { return y.x() * y.x() + y.y() * y.y(); }
 
-  // h(τ) = z(τ) − S(u(τ)) along a ray; u is a parabola in τ, z a line. τ counts from the point nearest
-  // to the vertex, so that u0 and u1 stay small for rays that come from afar.
+  // h(τ) = z(τ) − S(u(τ)) along a ray; u is a parabola in τ, z a line. τ counts from the point
+  // nearest to the vertex, so that u0 and u1 stay small for rays that come from afar.
   struct Along {
     double shift, z0, z1, u0, u1, u2;
     const Sag& sag;
 
-    Along(const Asphere& s, const Ray& ray)
-        : shift(ray.nearest(s.o_)), sag(s.sag_) {
+    Along(const Asphere& s, const Ray& ray) : shift(ray.nearest(s.o_)), sag(s.sag_) {
       const Vec3 y = s.local(ray.at(shift)), d = s.axes_.transpose() * ray.direction;
       z0 = y.z();
       z1 = d.z();
@@ -277,10 +294,11 @@ SurfacePtr pure_conic(const Point& vertex, const Mat3& axes, double R, double k)
   const double e = 1.0 + k;
   const QuadricForm form{vertex, axes, {-1.0 / R, -1.0 / R, -e / R}, Vec3::UnitZ(), 0.0};
   const Direction axis = axes.col(2);
-  const ChartMaker sheet = sheet_charts(vertex, axes, {[=](double a, double b) {
-    const double c = 1.0 / R, u = a * a + b * b;
-    return c * u / (1.0 + std::sqrt(std::max(0.0, 1.0 - e * c * c * u)));
-  }});
+  const ChartMaker sheet =
+      sheet_charts(vertex, axes, {[=](double a, double b) {
+                     const double c = 1.0 / R, u = a * a + b * b;
+                     return c * u / (1.0 + std::sqrt(std::max(0.0, 1.0 - e * c * c * u)));
+                   }});
   if (e == 0.0) return make_quadric_surface(form, sheet, {});
 
   const double half_length = R / e;  // signed height of the centre above the vertex

@@ -7,6 +7,7 @@
 #include "geometry/expression/field.h"
 #include "geometry/expression/leaves.h"
 #include "geometry/ray_polynomial.h"
+#include "geometry/rotated_third.h"
 #include "geometry/surface.h"
 
 namespace caustic::geometry {
@@ -110,6 +111,12 @@ class ExpressionSurface final : public Surface {
       undefined_slopes(e);
     }
     return rotated(e, pose_.rotation);
+  }
+  IntervalSym333 enclose_third(const IntervalVec3& x) const override {
+    IntervalSym333 third;
+    const IntervalVec3 y = transposed(pose_.rotation, x - pose_.translation);
+    if (!field_->enclose_third(y, third)) third.fill(Interval::whole());
+    return aligned_ ? third : rotated(third, pose_.rotation);
   }
   bool at_most_quadratic() const override { return field_->third_derivative_vanishes(); }
 

@@ -13,9 +13,9 @@ namespace {
 // nothing, and no later cut runs through a plane of symmetry.
 constexpr double kMarginBelow = 0.0517, kMarginAbove = 0.0733;
 // A graph is no steeper than this, as long as boxes may be divided.
-constexpr double kSteepest = 3.0;
+constexpr double kSteepestGraph = 3.0;
 // Boxes smaller than this share of the first are not divided, and no more than so many looked at.
-constexpr double kSmallestShare = 1e-5;
+constexpr double kSmallestBoxShare = 1e-5;
 constexpr std::size_t kMaxBoxes = 8000;
 
 IntervalVec3 extended(const IntervalVec3& box, std::size_t axis) {
@@ -23,6 +23,38 @@ IntervalVec3 extended(const IntervalVec3& box, std::size_t axis) {
   const double length = box[axis].width();
   longer[axis] = {box[axis].lo - length, box[axis].hi + length};
   return longer;
+}
+
+// Ranges of g and ∇g over a box, by mean values about its middle where these are narrower (S17).
+struct Narrowed {
+  Interval g;
+  IntervalVec3 gradient;
+};
+Narrowed narrowed(const Surface& surface, const IntervalVec3& box) {
+  const auto over = surface.enclose(box);
+  IntervalVec3 middle, step;
+  for (std::size_t i = 0; i < 3; ++i) {
+    middle[i] = box[i].middle();
+    step[i] = box[i] - middle[i];
+  }
+  const auto at = surface.enclose(middle);
+  const auto meet = [](const Interval& a, const Interval& b) {
+    const Interval both = intersection(a, b);
+    return both.empty() ? a : both;  // rounding alone parts them
+  };
+  Narrowed out{at.g, at.gradient};
+  for (std::size_t k = 0; k < 6; ++k) {
+    const auto [i, j] = kPackedIndices[k];
+    const auto row = static_cast<std::size_t>(i), column = static_cast<std::size_t>(j);
+    out.gradient[row] += over.hessian[k] * step[column];
+    if (row != column) out.gradient[column] += over.hessian[k] * step[row];
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    out.gradient[i] = meet(over.gradient[i], out.gradient[i]);
+    out.g += out.gradient[i] * step[i];
+  }
+  out.g = meet(over.g, out.g);
+  return out;
 }
 
 // The axis along which g is monotone, also well beyond the box, and by how much the graph rises.
@@ -33,7 +65,7 @@ struct Monotone {
 std::optional<Monotone> flattest(const Surface& surface, const IntervalVec3& box) {
   std::optional<Monotone> best;
   for (std::size_t k = 0; k < 3; ++k) {
-    const IntervalVec3 gradient = surface.enclose(extended(box, k)).gradient;
+    const IntervalVec3 gradient = narrowed(surface, extended(box, k)).gradient;
     const double least = gradient[k].mignitude();
     const double most =
         std::max(gradient[(k + 1) % 3].magnitude(), gradient[(k + 2) % 3].magnitude());
@@ -55,7 +87,7 @@ GraphCover cover_by_graphs(const Surface& surface, const std::vector<Bound>& bou
     const Box box = queue.front();
     queue.pop_front();
     const IntervalVec3 ranges = intervals(box);
-    if (!surface.enclose(ranges).g.contains_zero()) continue;
+    if (!narrowed(surface, ranges).g.contains_zero()) continue;
     const Point middle = box.center();
     const double radius = 0.5 * box.diagonal() * (1.0 + 1e-12);
     const bool excluded = std::any_of(bounds.begin(), bounds.end(), [&](const Bound& bound) {
@@ -64,9 +96,9 @@ GraphCover cover_by_graphs(const Surface& surface, const std::vector<Bound>& bou
     if (excluded) continue;
     int widest = 0;
     const double width = (box.max - box.min).maxCoeff(&widest);
-    const bool last = width <= kSmallestShare * size || seen >= kMaxBoxes;
+    const bool last = width <= kSmallestBoxShare * size || seen >= kMaxBoxes;
     const auto graph = flattest(surface, ranges);
-    if (graph && (graph->slope <= kSteepest || last)) {
+    if (graph && (graph->slope <= kSteepestGraph || last)) {
       const auto k = static_cast<std::size_t>(graph->axis);
       cover.charts.push_back({graph->axis, ranges, extended(ranges, k)[k]});
     } else if (last) {

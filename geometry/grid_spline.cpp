@@ -188,8 +188,10 @@ HeightRanges GridSpline::hull(int cell_u, int cell_v) const {
   return hull;
 }
 
-HeightRanges GridSpline::ranges(int cell_u, int cell_v, const Interval& u,
-                                const Interval& v) const {
+template <std::size_t kCount>
+std::array<Interval, kCount> GridSpline::ranges_of(const int (&orders)[kCount][2], int cell_u,
+                                                   int cell_v, const Interval& u,
+                                                   const Interval& v) const {
   // Middle and half width of the part of the cell, in the cell's own coordinate.
   struct Part {
     double middle, half;
@@ -212,11 +214,20 @@ HeightRanges GridSpline::ranges(int cell_u, int cell_v, const Interval& u,
     }
     for (int k = 0; k < 6; ++k) size = std::max(size, std::abs(c[k]));
   }
-  HeightRanges r = taylor_ranges(
-      5, 5, [&](int i, int j) { return t[i][j]; }, p.half, q.half);
+  auto r = taylor_ranges(
+      orders, 5, 5, [&](int i, int j) { return t[i][j]; }, p.half, q.half);
   // Absolute values of a row of the basis, over factorials, have sums of at most one.
   for (Interval& range : r) range += 1024.0 * kEpsilon * size * Interval(-1.0, 1.0);
   return r;
+}
+
+HeightRanges GridSpline::ranges(int cell_u, int cell_v, const Interval& u,
+                                const Interval& v) const {
+  return ranges_of(kOrdersOfRanges, cell_u, cell_v, u, v);
+}
+ThirdRanges GridSpline::third_ranges(int cell_u, int cell_v, const Interval& u,
+                                     const Interval& v) const {
+  return ranges_of(kOrdersOfThirds, cell_u, cell_v, u, v);
 }
 
 }  // namespace caustic::geometry

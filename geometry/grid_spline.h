@@ -39,8 +39,12 @@ class GridSpline {
   HeightRanges hull(int cell_u, int cell_v) const;
   /// Over the part of one cell with u and v in these intervals, ever tighter as they shrink.
   HeightRanges ranges(int cell_u, int cell_v, const Interval& u, const Interval& v) const;
+  ThirdRanges third_ranges(int cell_u, int cell_v, const Interval& u, const Interval& v) const;
 
  private:
+  template <std::size_t kCount>
+  std::array<Interval, kCount> ranges_of(const int (&orders)[kCount][2], int cell_u, int cell_v,
+                                         const Interval& u, const Interval& v) const;
   const double* block(int cell_u, int cell_v) const { return &c_[cell_v * stride_ + cell_u]; }
 
   int nx_, ny_, stride_;

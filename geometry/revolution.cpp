@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "geometry/enclosed_polynomial.h"
+#include "geometry/rotated_third.h"
 #include "geometry/surface.h"
 
 namespace caustic::geometry {
@@ -40,6 +41,11 @@ struct Profile {
     const Interval w = z / Interval(h);
     return {R.range_f(w.lo, w.hi), R.range_df(w.lo, w.hi) / Interval(h),
             R.range_ddf(w.lo, w.hi) / sqr(Interval(h))};
+  }
+  /// R''' over an interval.
+  Interval third(const Interval& z) const {
+    const Interval w = z / Interval(h);
+    return EnclosedPolynomial(c.derivative()).range_ddf(w.lo, w.hi) / power(Interval(h), 3);
   }
   /// ∫R dz / h.
   double mean() const {
@@ -96,6 +102,14 @@ class Revolution final : public Surface {
                        {}};
     e.hessian = {scale_, 0.0, 0.0, scale_, 0.0, -scale_ * (sqr(R1) + R * R2)};
     return rotated(e, axes_);
+  }
+  IntervalSym333 enclose_third(const IntervalVec3& x) const override {
+    const Interval z = transposed(axes_, x - o_)[2];
+    const auto [R, R1, R2] = profile_.enclose(z);
+    IntervalSym333 third;
+    third.fill(Interval(0.0));
+    third[packed_index(2, 2, 2)] = -scale_ * (3.0 * R1 * R2 + R * profile_.third(z));
+    return rotated(third, axes_);
   }
   bool at_most_quadratic() const override { return profile_.c.degree <= 1; }
 

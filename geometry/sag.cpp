@@ -1,5 +1,7 @@
 #include "geometry/sag.h"
 
+#include "geometry/rotated_third.h"
+
 namespace caustic::geometry {
 
 double SagSurface::value(const Point& x) const {
@@ -36,6 +38,18 @@ SurfaceEnclosure SagSurface::enclose(const IntervalVec3& x) const {
   const HeightRanges f = height_ranges(y[0], y[1]);
   SurfaceEnclosure e{y[2] - f[0], {-f[1], -f[2], 1.0}, {-f[3], -f[4], 0.0, -f[5], 0.0, 0.0}};
   return rotated(e, axes_);
+}
+
+IntervalSym333 SagSurface::enclose_third(const IntervalVec3& x) const {
+  const IntervalVec3 y = transposed(axes_, x - o_);
+  const ThirdRanges f = height_third_ranges(y[0], y[1]);
+  IntervalSym333 third;
+  third.fill(Interval(0.0));
+  third[packed_index(0, 0, 0)] = -f[0];
+  third[packed_index(0, 0, 1)] = -f[1];
+  third[packed_index(0, 1, 1)] = -f[2];
+  third[packed_index(1, 1, 1)] = -f[3];
+  return rotated(third, axes_);
 }
 
 }  // namespace caustic::geometry

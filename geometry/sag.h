@@ -27,6 +27,7 @@ class SagSurface : public Surface {
   SurfaceDerivatives derivatives(const Point& x) const final;
   Vec3 third_derivative(const Point& x, const Vec3& u, const Vec3& v) const final;
   SurfaceEnclosure enclose(const IntervalVec3& x) const final;
+  IntervalSym333 enclose_third(const IntervalVec3& x) const final;
 
  protected:
   SagSurface(const Point& origin, const Mat3& axes) : o_(origin), axes_(axes) {}
@@ -35,6 +36,7 @@ class SagSurface : public Surface {
   virtual double height_slope(double x, double y, Vec2& slope) const = 0;
   virtual HeightJet height_jet(double x, double y) const = 0;
   virtual HeightRanges height_ranges(const Interval& x, const Interval& y) const = 0;
+  virtual ThirdRanges height_third_ranges(const Interval& x, const Interval& y) const = 0;
 
   Vec3 local(const Point& x) const { return axes_.transpose() * (x - o_); }
 
@@ -57,12 +59,16 @@ class XyPolynomial {
   double slope(double x, double y, Vec2& slope) const;
   HeightJet jet(double x, double y) const;
   HeightRanges ranges(const Interval& x, const Interval& y) const;
+  ThirdRanges third_ranges(const Interval& x, const Interval& y) const;
   /// Along x + t dx, y + t dy.
   LongPolynomial along(const Vec2& at, const Vec2& direction) const;
 
  private:
   template <int kOrder>
   void derivatives(double x, double y, double (&d)[kOrder + 1][kOrder + 1]) const;
+  template <std::size_t kCount>
+  std::array<Interval, kCount> ranges_of(const int (&orders)[kCount][2], const Interval& x,
+                                         const Interval& y) const;
   /// By rows of i, each j = 0 … degree − i.
   int index(int i, int j) const { return i * (degree_ + 1) - i * (i - 1) / 2 + j; }
 

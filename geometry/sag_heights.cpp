@@ -229,29 +229,61 @@ class SagHeights final : public SagSurface, public std::enable_shared_from_this<
             {p * p * d[2][0], p * q * d[1][1], q * q * d[0][2]},
             {p * p * p * d[3][0], p * p * q * d[2][1], p * q * q * d[1][2], q * q * q * d[0][3]}};
   }
-  // Cell by cell where there are few of them, by hulls where there are many.
-  HeightRanges height_ranges(const Interval& x, const Interval& y) const override {
+  // The part of the grid under a box: cells, and the box in samples.
+  struct Under {
+    Interval u, v;
+    int i0, i1, j0, j1;
+    bool few() const { return (i1 - i0 + 1) * (j1 - j0 + 1) <= kFewCells; }
+  };
+  Under under(const Interval& x, const Interval& y) const {
     const Interval u = (x - min_.x()) / Interval(spacing_.x()),
                    v = (y - min_.y()) / Interval(spacing_.y());
     const auto cell = [](double w, int cells) {
       return static_cast<int>(std::clamp(w + GridSpline::kMargin, 0.0, cells - 1.0));
     };
-    const int i0 = cell(u.lo, spline_.cells_u()), i1 = cell(u.hi, spline_.cells_u());
-    const int j0 = cell(v.lo, spline_.cells_v()), j1 = cell(v.hi, spline_.cells_v());
+    return {u,
+            v,
+            cell(u.lo, spline_.cells_u()),
+            cell(u.hi, spline_.cells_u()),
+            cell(v.lo, spline_.cells_v()),
+            cell(v.hi, spline_.cells_v())};
+  }
+  template <std::size_t kCount>
+  void per_metre(const int (&orders)[kCount][2], std::array<Interval, kCount>& r) const {
+    for (std::size_t k = 0; k < kCount; ++k) {
+      for (int i = 0; i < orders[k][0]; ++i) r[k] = r[k] / Interval(spacing_.x());
+      for (int i = 0; i < orders[k][1]; ++i) r[k] = r[k] / Interval(spacing_.y());
+    }
+  }
+  // Cell by cell where there are few of them, by hulls where there are many.
+  HeightRanges height_ranges(const Interval& x, const Interval& y) const override {
+    const Under box = under(x, y);
     HeightRanges r;
-    if ((i1 - i0 + 1) * (j1 - j0 + 1) > kFewCells) {
-      r = tree_.over(i0, i1, j0, j1);
+    if (!box.few()) {
+      r = tree_.over(box.i0, box.i1, box.j0, box.j1);
       for (Interval& range : r) range += kRoundings * r[0].magnitude() * Interval(-1.0, 1.0);
     } else {
       r.fill(Interval::empty_set());
-      for (int j = j0; j <= j1; ++j) {
-        for (int i = i0; i <= i1; ++i) r = hull(r, spline_.ranges(i, j, u, v));
+      for (int j = box.j0; j <= box.j1; ++j) {
+        for (int i = box.i0; i <= box.i1; ++i) r = hull(r, spline_.ranges(i, j, box.u, box.v));
       }
     }
-    for (int k = 0; k < 6; ++k) {
-      for (int i = 0; i < kOrdersOfRanges[k][0]; ++i) r[k] = r[k] / Interval(spacing_.x());
-      for (int i = 0; i < kOrdersOfRanges[k][1]; ++i) r[k] = r[k] / Interval(spacing_.y());
+    per_metre(kOrdersOfRanges, r);
+    return r;
+  }
+  // Where there are many cells, nothing is known.
+  ThirdRanges height_third_ranges(const Interval& x, const Interval& y) const override {
+    const Under box = under(x, y);
+    ThirdRanges r;
+    r.fill(box.few() ? Interval::empty_set() : Interval::whole());
+    if (!box.few()) return r;
+    for (int j = box.j0; j <= box.j1; ++j) {
+      for (int i = box.i0; i <= box.i1; ++i) {
+        const ThirdRanges own = spline_.third_ranges(i, j, box.u, box.v);
+        for (std::size_t k = 0; k < r.size(); ++k) r[k] = hull(r[k], own[k]);
+      }
     }
+    per_metre(kOrdersOfThirds, r);
     return r;
   }
   double u(double x) const { return (x - min_.x()) / spacing_.x(); }

@@ -69,7 +69,9 @@ HeightJet XyPolynomial::jet(double x, double y) const {
 
 // The Taylor series about the middle of the box, by synthetic division in y, then in x. Its
 // coefficients carry rounding errors of n ε Σ |c| |x|^i |y|^j times a small number.
-HeightRanges XyPolynomial::ranges(const Interval& x, const Interval& y) const {
+template <std::size_t kCount>
+std::array<Interval, kCount> XyPolynomial::ranges_of(const int (&orders)[kCount][2],
+                                                     const Interval& x, const Interval& y) const {
   const Interval xs = x / Interval(unit_), ys = y / Interval(unit_);
   const double mx = xs.middle(), my = ys.middle();
   const double hx = std::max(xs.hi - mx, mx - xs.lo), hy = std::max(ys.hi - my, my - ys.lo);
@@ -86,19 +88,24 @@ HeightRanges XyPolynomial::ranges(const Interval& x, const Interval& y) const {
       for (int j = 0; j <= n; ++j) t[i][j] += mx * t[i + 1][j];
     }
   }
-  HeightRanges r = taylor_ranges(
-      n, n, [&](int i, int j) { return t[i][j]; }, hx, hy);
-  const HeightRanges size = taylor_ranges(
-      n, n, [&](int i, int j) { return std::abs(coefficient(i, j)); }, std::abs(mx) + hx,
+  auto r = taylor_ranges(
+      orders, n, n, [&](int i, int j) { return t[i][j]; }, hx, hy);
+  const auto size = taylor_ranges(
+      orders, n, n, [&](int i, int j) { return std::abs(coefficient(i, j)); }, std::abs(mx) + hx,
       std::abs(my) + hy);
-  for (int k = 0; k < 6; ++k) {
+  for (std::size_t k = 0; k < kCount; ++k) {
     const double slack = 8.0 * (n + 2) * kEpsilon * size[k].hi;
     r[k] += Interval(-slack, slack);
-    for (int i = 0; i < kOrdersOfRanges[k][0] + kOrdersOfRanges[k][1]; ++i) {
-      r[k] = r[k] / Interval(unit_);
-    }
+    for (int i = 0; i < orders[k][0] + orders[k][1]; ++i) r[k] = r[k] / Interval(unit_);
   }
   return r;
+}
+
+HeightRanges XyPolynomial::ranges(const Interval& x, const Interval& y) const {
+  return ranges_of(kOrdersOfRanges, x, y);
+}
+ThirdRanges XyPolynomial::third_ranges(const Interval& x, const Interval& y) const {
+  return ranges_of(kOrdersOfThirds, x, y);
 }
 
 LongPolynomial XyPolynomial::along(const Vec2& at, const Vec2& direction) const {
@@ -189,6 +196,9 @@ class SagPolynomial final : public SagSurface {
   HeightJet height_jet(double x, double y) const override { return f_.jet(x, y); }
   HeightRanges height_ranges(const Interval& x, const Interval& y) const override {
     return f_.ranges(x, y);
+  }
+  ThirdRanges height_third_ranges(const Interval& x, const Interval& y) const override {
+    return f_.third_ranges(x, y);
   }
 
   // τ counts from the point nearest to the origin.

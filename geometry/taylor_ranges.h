@@ -14,14 +14,20 @@ namespace caustic::geometry {
 using HeightRanges = std::array<Interval, 6>;
 constexpr int kOrdersOfRanges[6][2] = {{0, 0}, {1, 0}, {0, 1}, {2, 0}, {1, 1}, {0, 2}};
 
-/// Of Σ c(i, j) x^i y^j, i ≤ degree_x, j ≤ degree_y, over |x| ≤ hx, |y| ≤ hy, term by term: those
-/// even in both variables keep their sign. Rounding is allowed for, that of the coefficients is
-/// not.
-template <class Coefficient>
-HeightRanges taylor_ranges(int degree_x, int degree_y, const Coefficient& c, double hx, double hy) {
-  HeightRanges ranges;
-  for (int order = 0; order < 6; ++order) {
-    const auto [a, b] = kOrdersOfRanges[order];
+/// Ranges of the derivatives xxx, xxy, xyy, yyy.
+using ThirdRanges = std::array<Interval, 4>;
+constexpr int kOrdersOfThirds[4][2] = {{3, 0}, {2, 1}, {1, 2}, {0, 3}};
+
+/// Of derivatives of Σ c(i, j) x^i y^j, i ≤ degree_x, j ≤ degree_y, over |x| ≤ hx, |y| ≤ hy, term
+/// by term: those even in both variables keep their sign. Rounding is allowed for, that of the
+/// coefficients is not.
+template <class Coefficient, std::size_t kCount>
+std::array<Interval, kCount> taylor_ranges(const int (&orders)[kCount][2], int degree_x,
+                                           int degree_y, const Coefficient& c, double hx,
+                                           double hy) {
+  std::array<Interval, kCount> ranges;
+  for (std::size_t order = 0; order < kCount; ++order) {
+    const int a = orders[order][0], b = orders[order][1];
     double lo = 0.0, hi = 0.0, x_power = 1.0;
     for (int i = a; i <= degree_x; ++i, x_power *= hx) {
       double y_power = x_power;

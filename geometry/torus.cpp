@@ -12,7 +12,11 @@ namespace {
 class Torus final : public Surface {
  public:
   Torus(const Point& center, const Direction& axis, double major, double minor)
-      : c_(center), a_(axis), R_(major), r_(minor), scale_(0.125 / (major * major * minor)),
+      : c_(center),
+        a_(axis),
+        R_(major),
+        r_(minor),
+        scale_(0.125 / (major * major * minor)),
         P_(Mat3::Identity() - axis * axis.transpose()) {}
 
   double value(const Point& x) const override {
@@ -31,8 +35,8 @@ class Torus final : public Surface {
     SurfaceDerivatives d;
     d.g = value_gradient(x, d.gradient);
     const Vec3 y = x - c_;
-    d.hessian = scale_ * (8.0 * y * y.transpose() + 4.0 * excess(y) * Mat3::Identity() -
-                          8.0 * R_ * R_ * P_);
+    d.hessian = scale_ *
+                (8.0 * y * y.transpose() + 4.0 * excess(y) * Mat3::Identity() - 8.0 * R_ * R_ * P_);
     return d;
   }
   Vec3 third_derivative(const Point& x, const Vec3& u, const Vec3& v) const override {
@@ -52,6 +56,22 @@ class Torus final : public Surface {
       e.hessian[k] = scale_ * (8.0 * (yy - RR * P_(i, j)));
     }
     return e;
+  }
+  IntervalSym333 enclose_third(const IntervalVec3& x) const override {
+    const IntervalVec3 y = x - c_;
+    IntervalSym333 third;
+    for (int a = 0; a < 3; ++a) {
+      for (int b = a; b < 3; ++b) {
+        for (int c = b; c < 3; ++c) {
+          Interval sum(0.0);
+          if (a == b) sum += y[static_cast<std::size_t>(c)];
+          if (a == c) sum += y[static_cast<std::size_t>(b)];
+          if (b == c) sum += y[static_cast<std::size_t>(a)];
+          third[packed_index(a, b, c)] = (8.0 * scale_) * sum;
+        }
+      }
+    }
+    return third;
   }
   bool at_most_quadratic() const override { return false; }
 

@@ -138,6 +138,25 @@ bool Field::enclose(const IntervalVec3& x, SurfaceEnclosure& e) const {
   return defined;
 }
 
+// T(e₀, e₀), T(e₀, e₁), T(e₁, e₁) and T(e₂, e₂) have all ten components.
+bool Field::enclose_third(const IntervalVec3& x, IntervalSym333& third) const {
+  const Interval in[kThirdInputs] = {x[0], x[1], x[2], 1.0, 0.0, 0.0, 0.0, 1.0, 0.0};
+  const Interval last[kThirdInputs] = {x[0], x[1], x[2], 0.0, 0.0, 1.0, 0.0, 0.0, 1.0};
+  std::array<Interval, 9> of_first;
+  IntervalVec3 of_last;
+  const bool defined = thirds_.run(in, of_first.data());
+  for (int a = 0; a < 3; ++a) {
+    third[packed_index(a, 0, 0)] = of_first[static_cast<std::size_t>(a)];
+    third[packed_index(a, 0, 1)] = of_first[static_cast<std::size_t>(3 + a)];
+    third[packed_index(a, 1, 1)] = of_first[static_cast<std::size_t>(6 + a)];
+  }
+  const bool also = third_.run(last, of_last.data());
+  for (int a = 0; a < 3; ++a) {
+    third[packed_index(a, 2, 2)] = of_last[static_cast<std::size_t>(a)];
+  }
+  return defined && also;
+}
+
 Polynomial Field::polynomial(const Ray& ray) const {
   const Point& o = ray.origin;
   const Vec3& d = ray.direction;

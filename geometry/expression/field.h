@@ -43,6 +43,7 @@ class Field {
   bool enclose(const IntervalVec3& x, Interval& g) const;
   bool enclose(const IntervalVec3& x, Interval& g, IntervalVec3& gradient) const;
   bool enclose(const IntervalVec3& x, SurfaceEnclosure& e) const;
+  bool enclose_third(const IntervalVec3& x, IntervalSym333& third) const;
 
   /// True if the field is a polynomial of degree 4 at most: then this is it, along a ray.
   bool quartic() const { return degree_ >= 0 && degree_ <= 4; }
