@@ -26,19 +26,55 @@ Slopes product(const IntervalJet& a, const IntervalJet& b) {
 }
 Slopes difference(const Slopes& a, const Slopes& b) { return combined(a, b, -1.0); }
 
-int sign_of(const Interval& a) { return a.lo > 0.0 ? 1 : a.hi < 0.0 ? -1 : 0; }
+// Two enclosures of one thing; rounding alone parts them.
+Interval meet(const Interval& a, const Interval& b) {
+  const Interval both = intersection(a, b);
+  return both.empty() ? b : both;
+}
 
 Interval centred(const Slopes& over, const Interval& middle, const Interval& ds,
                  const Interval& dt) {
-  const Interval mean = middle + over.s * ds + over.t * dt;
-  const Interval both = intersection(over.v, mean);
-  return both.empty() ? mean : both;  // rounding alone parts two enclosures of one value
+  return meet(over.v, middle + over.s * ds + over.t * dt);
 }
 
 }  // namespace
 
-// Natural interval extensions.
-struct EnclosedMap::Natural {
+// Intermediate results in the order in which they come. What the middle of a cell gave narrows what
+// the whole of it gives, by mean values of the function and of its slopes (S72).
+class EnclosedMap::Trail {
+ public:
+  void begin_middle() {
+    middle_.clear();
+    recording_ = true;
+  }
+  void begin_cell(const Interval& ds, const Interval& dt) {
+    next_ = 0;
+    recording_ = false;
+    ds_ = ds;
+    dt_ = dt;
+  }
+  void begin_alone() {
+    middle_.clear();
+    next_ = 0;
+    recording_ = false;
+  }
+  IntervalJet operator()(const IntervalJet& a) {
+    if (recording_) middle_.push_back(a);
+    if (recording_ || next_ == middle_.size()) return a;
+    const IntervalJet& m = middle_[next_++];
+    const Interval s = meet(a.s, m.s + a.ss * ds_ + a.st * dt_);
+    const Interval t = meet(a.t, m.t + a.st * ds_ + a.tt * dt_);
+    return {meet(a.v, m.v + s * ds_ + t * dt_), s, t, a.ss, a.st, a.tt};
+  }
+
+ private:
+  std::vector<IntervalJet> middle_;
+  std::size_t next_ = 0;
+  bool recording_ = false;
+  Interval ds_{0.0}, dt_{0.0};
+};
+
+struct EnclosedMap::Result {
   bool dark = false, regular = false;
   Slopes a, flux;
   std::vector<Slopes> bounds;
@@ -106,7 +142,8 @@ Slopes EnclosedMap::bound(const geometry::Bound& b, const IntervalVecJet& x) con
   return h;
 }
 
-void EnclosedMap::natural(const GraphChart& chart, const GraphCell& cell, Natural& out) const {
+void EnclosedMap::follow(const GraphChart& chart, const GraphCell& cell, Trail& trail,
+                         Result& out) const {
   const std::size_t i = chart.first(), j = chart.second(), k = chart.along();
   IntervalVec3 box;
   box[i] = cell.s;
@@ -153,29 +190,29 @@ void EnclosedMap::natural(const GraphChart& chart, const GraphCell& cell, Natura
     for (std::size_t a = 0; a < 3; ++a) d[a] = constant_jet(source_[static_cast<int>(a)]);
   }
   const double side = map_.side();
-  const IntervalJet NN = geometry::squared_norm(N);
-  const IntervalJet dN = point_source_ ? geometry::dot(d, N) : geometry::dot(source_, N);
+  const IntervalJet NN = trail(geometry::squared_norm(N));
+  const IntervalJet dN = trail(point_source_ ? geometry::dot(d, N) : geometry::dot(source_, N));
   const int upward = sign_of(g.gradient[k]);
   IntervalJet across = double(upward) * N[k];
-  const IntervalJet dd = geometry::squared_norm(d);
+  const IntervalJet dd = trail(geometry::squared_norm(d));
   if (point_source_) across = across * dd * sqrt(dd);
-  out.flux = scaled(first_order(dN / across), -side * map_.strength());
+  out.flux = scaled(first_order(trail(dN / across)), -side * map_.strength());
 
   // The bounce (S3), (S24), in the receiver's axes, and the arrival (S4).
   IntervalJet along_d = constant_jet(1.0), along_N;
   bool total_reflection = false;
   if (optics_.kind == Optics::Kind::mirror) {
-    along_N = -2.0 * (dN / NN);
+    along_N = trail(-2.0 * (dN / NN));
   } else {
     const double eta = optics_.eta(map_.side());
     const Interval loss = Interval(1.0) - sqr(Interval(eta));
-    const IntervalJet headroom =
-        constant_jet(loss) * (dd * NN) + (constant_jet(sqr(Interval(eta))) * geometry::square(dN));
+    const IntervalJet headroom = trail(constant_jet(loss) * (dd * NN) +
+                                       constant_jet(sqr(Interval(eta))) * geometry::square(dN));
     out.dark = headroom.v.hi < 0.0;
     total_reflection = !(headroom.v.lo > 0.0);
     if (out.dark) return;
     along_d = constant_jet(eta);
-    along_N = -1.0 * ((eta * dN + side * sqrt(headroom)) / NN);
+    along_N = trail(-1.0 * ((eta * dN + side * sqrt(headroom)) / NN));
   }
   const auto& receiver = map_.receiver();
   const IntervalVecJet y = x - receiver.origin;
@@ -183,7 +220,7 @@ void EnclosedMap::natural(const GraphChart& chart, const GraphCell& cell, Natura
     const IntervalJet own =
         point_source_ ? along_d * geometry::dot(axis, d)
                       : along_d * constant_jet(geometry::dot(axis, geometry::intervals(source_)));
-    return own + along_N * geometry::dot(axis, N);
+    return trail(own + along_N * geometry::dot(axis, N));
   };
   const IntervalJet D_m = direction_along(receiver.m), y_m = geometry::dot(receiver.m, y);
   const IntervalJet D[2] = {direction_along(receiver.u), direction_along(receiver.v)};
@@ -215,8 +252,8 @@ void EnclosedMap::natural(const GraphChart& chart, const GraphCell& cell, Natura
     out.a = {Interval::whole(), Interval::whole(), Interval::whole()};
     return;
   }
-  const IntervalJet lambda = -1.0 * (y_m / D_m);
-  const IntervalJet q[2] = {at[0] + lambda * D[0], at[1] + lambda * D[1]};
+  const IntervalJet lambda = trail(-1.0 * (y_m / D_m));
+  const IntervalJet q[2] = {trail(at[0] + lambda * D[0]), trail(at[1] + lambda * D[1])};
   const auto det = [](const Interval& a0, const Interval& a1, const Interval& b0,
                       const Interval& b1) { return a0 * b1 - a1 * b0; };
   const Slopes a{det(q[0].s, q[1].s, q[0].t, q[1].t),
@@ -226,8 +263,23 @@ void EnclosedMap::natural(const GraphChart& chart, const GraphCell& cell, Natura
 }
 
 void EnclosedMap::enclose(const GraphChart& chart, const GraphCell& cell, EnclosedField& f) const {
-  thread_local Natural over, middle;
-  natural(chart, cell, over);
+  thread_local Trail trail;
+  thread_local Result over, middle;
+  f.ds = f.dt = Interval(0.0);
+  // Mean values are taken along the graph, so there has to be one all over the cell.
+  const bool thin = cell.s.width() == 0.0 && cell.t.width() == 0.0;
+  bool centred_form = cell.whole && !thin;
+  if (centred_form) {
+    GraphCell point{cell.s.middle(), cell.t.middle(), cell.z, true};
+    narrow(chart, point);
+    trail.begin_middle();
+    follow(chart, point, trail, middle);
+    centred_form = middle.regular && !middle.dark;
+    f.ds = cell.s - point.s;
+    f.dt = cell.t - point.t;
+  }
+  centred_form ? trail.begin_cell(f.ds, f.dt) : trail.begin_alone();
+  follow(chart, cell, trail, over);
   f.dark = over.dark;
   f.regular = over.regular;
   f.a = over.a;
@@ -235,20 +287,13 @@ void EnclosedMap::enclose(const GraphChart& chart, const GraphCell& cell, Enclos
   f.bounds = over.bounds;
   f.a_middle = f.a.v;
   f.flux_middle = f.flux.v;
-  f.ds = f.dt = Interval(0.0);
-  // Mean values are taken along the graph, so there has to be one all over the cell.
-  if (f.dark || !f.regular || !cell.whole) return;
-  GraphCell point{cell.s.middle(), cell.t.middle(), cell.z, true};
-  if (cell.s.width() == 0.0 && cell.t.width() == 0.0) return;
-  narrow(chart, point);
-  natural(chart, point, middle);
-  if (middle.dark || !middle.regular) return;
-  f.ds = cell.s - point.s;
-  f.dt = cell.t - point.t;
+  if (!centred_form || f.dark || !f.regular) {
+    f.ds = f.dt = Interval(0.0);
+    return;
+  }
   f.a_middle = middle.a.v;
   f.flux_middle = middle.flux.v;
   f.a.v = centred(f.a, middle.a.v, f.ds, f.dt);
-  f.flux.v = centred(f.flux, middle.flux.v, f.ds, f.dt);
   for (std::size_t b = 0; b < f.bounds.size(); ++b) {
     f.bounds[b].v = centred(f.bounds[b], middle.bounds[b].v, f.ds, f.dt);
   }

@@ -12,6 +12,9 @@ namespace caustic::solver {
 
 using geometry::Interval;
 
+/// That of all numbers of an interval; 0 if it holds zero.
+inline int sign_of(const Interval& a) { return a.lo > 0.0 ? 1 : a.hi < 0.0 ? -1 : 0; }
+
 /// A cell of a chart, s and t its two coordinates; on the surface the third one lies in z.
 struct GraphCell {
   Interval s, t, z;
@@ -48,8 +51,10 @@ class EnclosedMap {
   void enclose(const geometry::GraphChart& chart, const GraphCell& cell, EnclosedField& f) const;
 
  private:
-  struct Natural;
-  void natural(const geometry::GraphChart& chart, const GraphCell& cell, Natural& out) const;
+  class Trail;
+  struct Result;
+  void follow(const geometry::GraphChart& chart, const GraphCell& cell, Trail& trail,
+              Result& out) const;
   Slopes bound(const geometry::Bound& b, const geometry::IntervalVecJet& x) const;
 
   const ForwardMap& map_;

@@ -104,12 +104,12 @@ Point on_graph(const Surface& shape, const GraphChart& chart, const GraphCell& c
 }
 
 // A random cell of a random chart over which there is a graph.
-struct Drawn {
+struct DrawnCell {
   const GraphChart* chart;
   GraphCell cell;
 };
 bool draw(const EnclosedMap& map, const GraphCover& cover, Random& random, double size,
-          Drawn& out) {
+          DrawnCell& out) {
   out.chart = &cover.charts[random.index(static_cast<int>(cover.charts.size()))];
   const Interval& s = out.chart->own[out.chart->first()];
   const Interval& t = out.chart->own[out.chart->second()];
@@ -137,7 +137,7 @@ TEST(EnclosedMap, HoldsWhatItEncloses) {
     EXPECT_TRUE(cover.undecided.empty());
     EnclosedField f;
     for (int n = 0; n < kCells; ++n) {
-      Drawn drawn;
+      DrawnCell drawn;
       if (!draw(enclosures, cover, random, random.log_uniform(1e-7, 1.0), drawn)) continue;
       const auto& [chart, cell] = drawn;
       enclosures.enclose(*chart, cell, f);
@@ -189,7 +189,7 @@ TEST(EnclosedMap, EnclosesSlopesOfBoundaries) {
     const auto cover = cover_by_graphs(map.shape(), map.mirror().bounds, map.mirror().region);
     EnclosedField f, at, to_s, to_t;
     for (int n = 0; n < kCells / 4; ++n) {
-      Drawn drawn;
+      DrawnCell drawn;
       if (!draw(enclosures, cover, random, 1e-3, drawn)) continue;
       const auto& [chart, cell] = drawn;
       enclosures.enclose(*chart, cell, f);
@@ -226,10 +226,10 @@ TEST(EnclosedMap, ConvergesAtItsOrder) {
     EnclosedField f;
     int measured = 0;
     for (int n = 0; n < kCells / 4; ++n) {
-      Drawn drawn;
-      if (!draw(enclosures, cover, random, 0.01, drawn)) continue;
+      DrawnCell drawn;
+      if (!draw(enclosures, cover, random, 1e-4, drawn)) continue;
       const auto& [chart, cell] = drawn;
-      // Widths beyond what the cubic through the cell's corners and slopes shows.
+      // Widths beyond what a linear function with these slopes has.
       double excess[3], slope[3];
       bool all = true;
       for (int level = 0; level < 3 && all; ++level) {
