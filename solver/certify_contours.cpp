@@ -20,8 +20,6 @@ constexpr double kEdgeRoot = 1e-10;
 // Seeds up to so many roundings outside the domain lie on its boundary.
 constexpr double kOnBoundary = 1e3;
 
-int sign_of(const Interval& a) { return a.lo > 0.0 ? 1 : a.hi < 0.0 ? -1 : 0; }
-
 class Certifier {
  public:
   Certifier(Evaluator& evaluate, const Domain& domain, const std::vector<LevelFunction>& targets,
@@ -67,7 +65,7 @@ class Certifier {
   ContourCertificate result_;
 };
 
-// The point of the graph over (s, t), to rounding.
+// The point of the graph over (s, t), to rounding; where it is not in the cell, one next to it.
 Point Certifier::point(const GraphChart& chart, const GraphCell& cell, double s, double t) const {
   Point x;
   x[chart.first()] = s;
@@ -81,6 +79,7 @@ Point Certifier::point(const GraphChart& chart, const GraphCell& cell, double s,
     x[chart.along()] -= step;
     if (std::abs(step) <= map_.map().rounding(x)) break;
   }
+  x[chart.along()] = std::clamp(x[chart.along()], cell.z.lo, cell.z.hi);
   return x;
 }
 

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 
 #include "geometry/expression/field.h"
@@ -45,6 +47,133 @@ TEST(CertifyContours, ProvesTheNephroid) {
     EXPECT_EQ(certified.curves[i].vertices.size(), fast.curves[i].vertices.size());
     EXPECT_NEAR(certified.curves[i].length, fast.curves[i].length, 1e-9);
   }
+}
+
+// A shallow bowl of which one dimple, half a millimetre wide, focuses the light a little: at height
+// 1 above it a loop of the level is a thousandth of the receiver wide, and nothing else reaches it.
+struct Dimple {
+  static constexpr double kX = 0.2371, kY = -0.1193, kWidth = 4e-4, kDepth = 0.1 * kWidth * kWidth;
+  OpticalSystem system;
+};
+Dimple dimple() {
+  char text[200];
+  std::snprintf(text, sizeof text,
+                "z-0.02*x^2-0.03*y^2-0.01*x^3+%.17g*exp(-((x-%.17g)^2+(y-%.17g)^2)*%.17g)",
+                Dimple::kDepth, Dimple::kX, Dimple::kY, 0.5 / (Dimple::kWidth * Dimple::kWidth));
+  const auto shape =
+      make_expression(read_expression(text, 1.0), {{-0.5, -0.5, -0.1}, {0.5, 0.5, 0.1}}, Pose());
+  EXPECT_TRUE(shape.surface) << shape.fault;
+  return {test::one_mirror(CollimatedLight{-Vec3::UnitZ(), 1.0}, shape.surface,
+                           test::floor_at({0, 0, 1}, 1.0, 1.0))};
+}
+
+TEST(CertifyContours, FindsALoopThatTheFastWayMisses) {
+  const Dimple scene = dimple();
+  ContourRequest request = levels({1.5});
+  request.chord_tolerance = 1e-6;
+  request.certify = false;
+  const auto fast = trace_contours(scene.system, request);
+  EXPECT_FALSE(fast.certified);
+  ASSERT_FALSE(fast.unproven.empty());
+  EXPECT_NE(fast.unproven[0].find("may be missing"), std::string::npos);
+  request.certify = true;
+  const auto certified = trace_contours(scene.system, request);
+  EXPECT_TRUE(certified.certified) << certified.undecided_cells;
+  ASSERT_EQ(certified.curves.size(), fast.curves.size() + 1);
+  const auto is_loop = [](const Curve& c) { return c.closed && c.length < 0.01; };
+  EXPECT_TRUE(std::none_of(fast.curves.begin(), fast.curves.end(), is_loop));
+  const auto loop = std::find_if(certified.curves.begin(), certified.curves.end(), is_loop);
+  ASSERT_NE(loop, certified.curves.end());
+  // About a thousandth of the receiver wide, around the dimple, on its level.
+  EXPECT_GT(loop->length, 0.3e-3 * std::numbers::pi);
+  EXPECT_LT(loop->length, 1.2e-3 * std::numbers::pi);
+  EXPECT_LT(loop->max_residual, 1e-9);
+  for (const CurveVertex& v : loop->vertices) {
+    EXPECT_LT(std::hypot(v.x.x() - Dimple::kX, v.x.y() - Dimple::kY), 2.0 * Dimple::kWidth);
+  }
+}
+
+// Area of what is undecided, m².
+double undecided_area(const ContourCertificate& certificate) {
+  double area = 0.0;
+  for (const UndecidedCell& cell : certificate.undecided) {
+    const auto& x = cell.corners;
+    area += 0.5 * (x[2] - x[0]).cross(x[3] - x[1]).norm();
+  }
+  return area;
+}
+
+TEST(CertifyContours, UndecidedCellsShrinkWithTheBudget) {
+  const OpticalSystem system = nephroid();
+  const ForwardMap map(system, 0, -1);
+  const Domain domain(map);
+  Budget budget(60.0, 1u << 30, nullptr);
+  Evaluator evaluate(map, budget);
+  const std::vector<LevelFunction> targets{LevelFunction::isolux(2.0, 1), LevelFunction::caustic()};
+  double before = kInfinity;
+  for (const std::size_t cells : {50u, 100u, 200u, 300u}) {
+    const auto certificate = certify_contours(evaluate, domain, targets, {cells});
+    EXPECT_TRUE(certificate.exhausted);
+    EXPECT_EQ(certificate.cells, cells);
+    const double area = undecided_area(certificate);
+    EXPECT_LT(area, 0.8 * before) << cells;
+    before = area;
+  }
+  const auto whole = certify_contours(evaluate, domain, targets);
+  EXPECT_TRUE(whole.undecided.empty());
+  EXPECT_FALSE(whole.exhausted);
+}
+
+// At a critical value two branches or a point cannot be told: what is undecided shrinks about the
+// critical point with the size of the smallest cells, and is said to be so.
+TEST(CertifyContours, CriticalValuesAreUndecided) {
+  const auto ball = make_sphere({0, 0, 0}, 1.0);
+  const auto system =
+      test::one_mirror(PointLight{{0.3, 0.2, 4}, 1.0}, ball, test::floor_at({0, 0, 6}, 12, 12));
+  const ForwardMap map(system, 0, 1);
+  const Domain domain(map);
+  Budget budget(60.0, 1u << 30, nullptr);
+  Evaluator evaluate(map, budget);
+  // The brightest point: by reflection in the plane through lamp, centre and the receiver's normal
+  // it lies in that plane; golden section on the sphere's arc there.
+  const Direction across = Vec3(0.3, 0.2, 0).normalized();
+  const auto at = [&](double angle) {
+    return map.evaluate(Point(std::sin(angle) * across + std::cos(angle) * Vec3::UnitZ()));
+  };
+  double lo = -0.1, hi = 0.3;
+  for (int i = 0; i < 200; ++i) {
+    const double a = lo + 0.382 * (hi - lo), b = lo + 0.618 * (hi - lo);
+    const bool left = at(a).irradiance() > at(b).irradiance();
+    (left ? hi : lo) = left ? b : a;
+  }
+  const FieldPoint critical = at(0.5 * (lo + hi));
+  const std::vector<LevelFunction> targets{{critical.inverse_irradiance()}};
+  double before = kInfinity;
+  for (const double smallest : {1e-2, 1e-3, 1e-4}) {
+    const auto certificate = certify_contours(evaluate, domain, targets, {200000, smallest});
+    EXPECT_FALSE(certificate.undecided.empty());
+    EXPECT_FALSE(certificate.exhausted);
+    const double area = undecided_area(certificate);
+    EXPECT_LT(area, 0.1 * before);
+    before = area;
+    for (const UndecidedCell& cell : certificate.undecided) {
+      EXPECT_LT((cell.corners[0] - critical.x).norm(), 20.0 * smallest * system.diameter());
+    }
+  }
+}
+
+// Families that enclosures do not know are named, not passed over.
+TEST(CertifyContours, SaysWhatItDoesNotProve) {
+  const auto ball = make_sphere({0, 0, 0}, 1.0);
+  std::vector<SystemSurface> surfaces{test::mirror(ball)};
+  surfaces[0].optics.metal = std::complex<double>(0.2, 3.0);
+  const auto system = OpticalSystem::build(PointLight{{0.3, 0.2, 4}, 1.0}, surfaces,
+                                           test::floor_at({0, 0, 6}, 12, 12));
+  const auto result = trace_contours(system, levels({0.0005}));
+  EXPECT_FALSE(result.certified);
+  ASSERT_EQ(result.unproven.size(), 1u);
+  EXPECT_NE(result.unproven[0].find("\"mirror\""), std::string::npos);
+  EXPECT_FALSE(result.curves.empty());
 }
 
 }  // namespace
