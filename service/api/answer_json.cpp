@@ -16,6 +16,9 @@ using solver::ContourResult;
 using solver::Curve;
 using solver::CurveVertex;
 
+/// So many undecided cells are listed; all are counted.
+constexpr std::size_t kListedCells = 1000;
+
 bool is_finite(const Curve& curve) {
   bool finite = std::isfinite(curve.level) && std::isfinite(curve.length) &&
                 std::isfinite(curve.max_residual);
@@ -28,10 +31,11 @@ bool is_finite(const Curve& curve) {
 
 void drop_curves_that_are_not_finite(ContourResult& result) {
   const auto dropped = std::erase_if(result.curves, [](const Curve& c) { return !is_finite(c); });
-  if (dropped)
-    result.warnings.push_back({"not_finite", std::to_string(dropped) +
-                                                 " curves had a number that is not finite and were "
-                                                 "left out"});
+  if (!dropped) return;
+  result.certified = false;
+  result.warnings.push_back({"not_finite", std::to_string(dropped) +
+                                               " curves had a number that is not finite and were "
+                                               "left out"});
 }
 
 PolylineVertex to_vertex(const CurveVertex& v, double metres) {
@@ -90,6 +94,25 @@ ordered_json curve_json(const Curve& curve, std::size_t id, double metres, bool 
     out["ring_id"] = curve.ring_id;
     out["ring_order"] = curve.ring_order;
   }
+  return out;
+}
+
+ordered_json completeness_json(const ContourResult& result, double metres) {
+  ordered_json out{{"certified", result.certified}, {"undecided_cells", result.undecided_cells}};
+  if (!result.unproven.empty()) out["unproven"] = result.unproven;
+  auto cells = ordered_json::array();
+  for (const solver::Undecided& cell : result.undecided) {
+    if (cells.size() == kListedCells) break;
+    auto levels = ordered_json::array(), corners = ordered_json::array();
+    for (const double level : cell.levels)
+      levels.push_back(level < 0.0 ? ordered_json() : ordered_json(level));
+    for (const geometry::Point& x : cell.corners)
+      corners.push_back({x.x() / metres, x.y() / metres, x.z() / metres});
+    cells.push_back({{"family_id", cell.family_id},
+                     {"levels", std::move(levels)},
+                     {"corners", std::move(corners)}});
+  }
+  if (!cells.empty()) out["undecided"] = std::move(cells);
   return out;
 }
 
@@ -152,8 +175,7 @@ std::string answer_json(const ContourCall& call, const ContourResult& result, co
                    {"complete", result.complete},
                    {"families", families_json(call, result)},
                    {"curves", std::move(curves)},
-                   {"completeness",
-                    {{"certified", result.certified}, {"undecided_cells", result.undecided_cells}}},
+                   {"completeness", completeness_json(result, metres)},
                    {"skipped", std::move(skipped)},
                    {"work", {{"evaluations", result.evaluations}, {"seconds", result.seconds}}},
                    {"warnings", std::move(warnings)},

@@ -17,6 +17,7 @@ using solver::ContourRequest;
 
 constexpr double kDefaultTimeMs = 5000;
 constexpr int kDefaultVertices = 500'000;
+constexpr int kDefaultCells = 200'000;
 
 void read_include(ObjectReader& root, ContourRequest& request) {
   Faults& faults = root.faults();
@@ -56,14 +57,16 @@ void read_limits(ObjectReader& root, ContourRequest& request) {
   request.time_limit = 1e-3 * limits.number_or("time_ms", {0.0, kMaxTimeMs, true}, kDefaultTimeMs);
   request.vertex_limit = static_cast<std::size_t>(
       read_integer(limits.member_or("vertices", kDefaultVertices), 1, kMaxVertices, root.faults()));
+  request.cell_limit = static_cast<std::size_t>(
+      read_integer(limits.member_or("cells", kDefaultCells), 1, kMaxCells, root.faults()));
 }
 
-void read_what_is_to_come(ObjectReader& root) {
+void read_what_is_to_come(ObjectReader& root, const ContourRequest& request) {
   Faults& faults = root.faults();
   if (root.boolean_or("direct", false))
     faults.not_supported(root.pointer_to("direct"), "the direct light");
-  if (root.boolean_or("certify", false))
-    faults.not_supported(root.pointer_to("certify"), "certification");
+  if (request.certify && request.measure == solver::Measure::total)
+    faults.not_supported(root.pointer_to("certify"), "certification of the total");
 }
 
 Scene read_members(ObjectReader& root, ContourRequest& request, bool& store) {
@@ -76,7 +79,8 @@ Scene read_members(ObjectReader& root, ContourRequest& request, bool& store) {
   request.levels = read_levels(root);
   if (root.word_or("measure", {"sheet", "total"}, "sheet") == "total")
     request.measure = solver::Measure::total;
-  read_what_is_to_come(root);
+  request.certify = root.boolean_or("certify", false);
+  read_what_is_to_come(root, request);
   read_include(root, request);
   read_tolerance(root, scene, request);
   read_limits(root, request);

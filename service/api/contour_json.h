@@ -11,6 +11,7 @@ namespace caustic::service {
 
 constexpr double kMaxTimeMs = 60'000;
 constexpr int kMaxVertices = 2'000'000;
+constexpr int kMaxCells = 10'000'000;
 
 struct ContourCall {
   solver::OpticalSystem system;

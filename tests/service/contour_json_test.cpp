@@ -64,7 +64,7 @@ TEST(ContourJson, identity_is_what_is_asked_not_how) {
   same["scene"]["light"]["intensity"] = 1.0;
   same["scene"]["light"]["position"][0] = 3e-1;
   same["scene"]["receiver"]["origin"][0] = -0.0;
-  same["limits"] = {{"time_ms", 100}};
+  same["limits"] = {{"time_ms", 100}, {"cells", 1000}};
   same["store"] = false;
   EXPECT_EQ(id_of(same), id);
   EXPECT_EQ(read_contour_call(plain.dump(4)).id, id);
