@@ -5,6 +5,8 @@
 #include <deque>
 #include <optional>
 
+#include "geometry/isolated_point.h"
+
 namespace caustic::geometry {
 
 namespace {
@@ -102,7 +104,7 @@ GraphCover cover_by_graphs(const Surface& surface, const std::vector<Bound>& bou
       const auto k = static_cast<std::size_t>(graph->axis);
       cover.charts.push_back({graph->axis, ranges, extended(ranges, k)[k]});
     } else if (last) {
-      cover.undecided.push_back(box);
+      if (!holds_only_a_point(surface.enclose(ranges))) cover.undecided.push_back(box);
     } else {
       Box low = box, high = box;
       low.max[widest] = high.min[widest] = middle[widest];

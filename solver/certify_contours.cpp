@@ -13,8 +13,8 @@ using geometry::GraphChart;
 
 namespace {
 
-// An edge along which a level function may have several roots is halved so often.
-constexpr int kEdgeHalvings = 24;
+// An edge along which a level function may have several roots is halved so often; then its cell is.
+constexpr int kEdgeHalvings = 12;
 // A root on an edge is located to this share of the values at the ends of its bracket.
 constexpr double kEdgeRoot = 1e-10;
 // Seeds up to so many roundings outside the domain lie on its boundary.
@@ -47,8 +47,10 @@ class Certifier {
   bool settled(const Slopes& F) const;
   std::vector<int> find_edge_roots(const GraphChart& chart, const GraphCell& cell,
                                    const std::vector<int>& targets);
-  bool search(const GraphChart& chart, GraphCell edge, int target, int halvings);
-  int sign_at(const GraphChart& chart, const GraphCell& edge, bool end, int target);
+  void search(const GraphChart& chart, GraphCell edge, const std::vector<int>& targets,
+              int halvings, std::vector<int>& left);
+  std::vector<int> signs_at(const GraphChart& chart, const GraphCell& edge, bool end,
+                            const std::vector<int>& targets);
   void add_seed(const GraphChart& chart, const GraphCell& edge, int target);
   Point point(const GraphChart& chart, const GraphCell& cell, double s, double t) const;
 
@@ -105,36 +107,52 @@ bool Certifier::settled(const Slopes& F) const {
   return true;
 }
 
-int Certifier::sign_at(const GraphChart& chart, const GraphCell& edge, bool end, int target) {
+// Of each target at one end of an edge.
+std::vector<int> Certifier::signs_at(const GraphChart& chart, const GraphCell& edge, bool end,
+                                     const std::vector<int>& targets) {
   GraphCell corner{end ? edge.s.hi : edge.s.lo, end ? edge.t.hi : edge.t.lo, edge.z, true};
   map_.narrow(chart, corner);
   map_.enclose(chart, corner, on_edge_);
-  return sign_of(on_edge_.level(targets_[target].k).v);
+  std::vector<int> signs;
+  for (const int target : targets) signs.push_back(sign_of(on_edge_.level(targets_[target].k).v));
+  return signs;
 }
 
-// (S75): all roots of one target on an edge, which is an interval in one coordinate and a number in
-// the other. False if there may be more than was found.
-bool Certifier::search(const GraphChart& chart, GraphCell edge, int target, int halvings) {
-  if (!map_.narrow(chart, edge)) return true;
+// (S75): all roots on an edge, which is an interval in one coordinate and a number in the other.
+// `left` are targets that may have more than was found.
+void Certifier::search(const GraphChart& chart, GraphCell edge, const std::vector<int>& targets,
+                       int halvings, std::vector<int>& left) {
+  if (!map_.narrow(chart, edge)) return;
   map_.enclose(chart, edge, on_edge_);
-  if (on_edge_.dark || !on_edge_.regular) return on_edge_.dark;
+  if (on_edge_.dark) return;
   for (const Slopes& h : on_edge_.bounds) {
-    if (h.v.lo > 0.0) return true;
+    if (h.v.lo > 0.0) return;
   }
-  const Slopes F = on_edge_.level(targets_[target].k);
-  if (!F.v.contains_zero()) return true;
+  if (!on_edge_.regular) halvings = 0;
   const bool upright = edge.s.width() == 0.0;
-  if (!(upright ? F.t : F.s).contains_zero()) {
-    const int from = sign_at(chart, edge, false, target), to = sign_at(chart, edge, true, target);
-    if (from * to <= 0) add_seed(chart, edge, target);
-    return true;
+  std::vector<int> monotone, others;
+  for (const int target : targets) {
+    const Slopes F = on_edge_.level(targets_[target].k);
+    if (!F.v.contains_zero()) continue;
+    ((upright ? F.t : F.s).contains_zero() ? others : monotone).push_back(target);
   }
-  if (halvings == 0) return false;
+  if (!monotone.empty()) {
+    const auto from = signs_at(chart, edge, false, monotone);
+    const auto to = signs_at(chart, edge, true, monotone);
+    for (std::size_t i = 0; i < monotone.size(); ++i) {
+      if (from[i] * to[i] <= 0) add_seed(chart, edge, monotone[i]);
+    }
+  }
+  if (others.empty()) return;
+  if (halvings == 0) {
+    left.insert(left.end(), others.begin(), others.end());
+    return;
+  }
   GraphCell low = edge, high = edge;
   Interval &first = upright ? low.t : low.s, &second = upright ? high.t : high.s;
   first.hi = second.lo = first.middle();
-  const bool below = search(chart, low, target, halvings - 1);
-  return search(chart, high, target, halvings - 1) && below;
+  search(chart, low, others, halvings - 1, left);
+  search(chart, high, others, halvings - 1, left);
 }
 
 // The root on an edge along which F is monotone and changes its sign, or touches zero.
@@ -177,11 +195,9 @@ std::vector<int> Certifier::find_edge_roots(const GraphChart& chart, const Graph
     edges.back().t = cell.t.hi;
   }
   std::vector<int> left;
-  for (const int target : targets) {
-    bool all = true;
-    for (const GraphCell& edge : edges) all &= search(chart, edge, target, kEdgeHalvings);
-    if (!all) left.push_back(target);
-  }
+  for (const GraphCell& edge : edges) search(chart, edge, targets, kEdgeHalvings, left);
+  std::sort(left.begin(), left.end());
+  left.erase(std::unique(left.begin(), left.end()), left.end());
   return left;
 }
 
@@ -197,8 +213,8 @@ void Certifier::treat(Square square) {
       done.push_back(target);
       return true;
     });
-    const auto left = find_edge_roots(chart, square.cell, done);
-    square.open.insert(square.open.end(), left.begin(), left.end());
+    if (!done.empty()) done = find_edge_roots(chart, square.cell, done);
+    square.open.insert(square.open.end(), done.begin(), done.end());
     if (square.open.empty()) return;
   }
   if (std::max(square.cell.s.width(), square.cell.t.width()) <= smallest_) return give_up(square);

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "geometry/enclosure.h"
+#include "geometry/isolated_point.h"
 
 namespace caustic::solver {
 
@@ -460,14 +460,7 @@ void Search::accept(PathBox box) {
 // or a sheet that closes within boxes of this size.
 bool Search::holds_only_a_point(const PathBox& box) {
   for (int i = 0; i < n_; ++i) {
-    const auto& [g, N, H] = surfaces_[i].shape->enclose(box.x[i]);
-    if (!N[0].contains_zero() || !N[1].contains_zero() || !N[2].contains_zero()) continue;
-    // Sylvester's minors: of one sign, or alternating.
-    const Interval second = H[0] * H[3] - sqr(H[1]);
-    const Interval third = H[0] * (H[3] * H[5] - sqr(H[4])) - H[1] * (H[1] * H[5] - H[4] * H[2]) +
-                           H[2] * (H[1] * H[4] - H[3] * H[2]);
-    if (second.lo > 0.0 && ((H[0].lo > 0.0 && third.lo > 0.0) || (H[0].hi < 0.0 && third.hi < 0.0)))
-      return true;
+    if (geometry::holds_only_a_point(surfaces_[i].shape->enclose(box.x[i]))) return true;
   }
   return false;
 }

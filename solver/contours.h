@@ -147,6 +147,7 @@ struct ContourResult {
   std::vector<Curve> curves;  ///< by kind, level, family, then smallest (u, v)
   bool certified = false;
   std::size_t undecided_cells = 0;
+  std::size_t cells = 0;              ///< that the proof looked at
   std::vector<Undecided> undecided;   ///< of the proof, if one was asked for
   std::vector<std::string> unproven;  ///< what else was not proven
   std::vector<Skipped> skipped;

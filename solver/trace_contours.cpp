@@ -292,6 +292,7 @@ void Run::certify(const FamilyField& field, std::vector<ContourTask>& tasks) {
   Evaluator evaluate(field.map, budget_);
   auto certificate = certify_contours(evaluate, field.domain, targets, {request_.cell_limit});
   for (Seed& seed : certificate.seeds) tasks[seed.target].seeds.push_back(std::move(seed));
+  result_.cells += certificate.cells;
   result_.undecided_cells += certificate.undecided.size();
   for (const UndecidedCell& cell : certificate.undecided) {
     Undecided undecided{field.piece.family, {}, cell.corners};

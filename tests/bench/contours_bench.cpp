@@ -21,6 +21,11 @@ void contours(benchmark::State& state, SceneRequest scene) {
   state.counters["curves"] = static_cast<double>(result.curves.size());
   state.counters["vertices"] = static_cast<double>(vertices);
   state.counters["evaluations"] = static_cast<double>(result.evaluations);
+  if (scene.request.certify) {
+    state.counters["certified"] = result.certified;
+    state.counters["cells"] = static_cast<double>(result.cells);
+    state.counters["undecided"] = static_cast<double>(result.undecided_cells);
+  }
   state.counters["us_per_vertex"] = 1e6 * samples.min() / static_cast<double>(vertices);
 }
 
@@ -30,6 +35,18 @@ BENCHMARK_CAPTURE(contours, A1_sphere_ceiling, example_scene("sphere-ceiling"));
 BENCHMARK_CAPTURE(contours, A2_sphere_wall, example_scene("sphere-wall"));
 BENCHMARK_CAPTURE(contours, B_nephroid, example_scene("nephroid"));
 BENCHMARK_CAPTURE(contours, B_nephroid_total, nephroid_total());
+BENCHMARK_CAPTURE(contours, certified_nephroid, certified(example_scene("nephroid")));
+BENCHMARK_CAPTURE(contours, certified_ball_ceiling, certified(example_scene("sphere-ceiling")));
+BENCHMARK_CAPTURE(contours, certified_convex_ellipsoid, certified(convex_ellipsoid()));
+BENCHMARK_CAPTURE(contours, certified_ellipsoid_bowl, certified(example_scene("ellipsoid-bowl")));
+BENCHMARK_CAPTURE(contours, certified_dish, certified(spherical_dish()));
+BENCHMARK_CAPTURE(contours, certified_paraboloid, certified(example_scene("paraboloid")));
+BENCHMARK_CAPTURE(contours, certified_water, certified(example_scene("water")));
+BENCHMARK_CAPTURE(contours, certified_zernike, certified(example_scene("zernike-mirror")));
+BENCHMARK_CAPTURE(contours, certified_heights, certified(example_scene("freeform-heights")));
+BENCHMARK_CAPTURE(contours, certified_cuboid, certified(example_scene("cuboid")));
+BENCHMARK_CAPTURE(contours, certified_torus, certified(example_scene("torus")));
+BENCHMARK_CAPTURE(contours, certified_vase, certified(example_scene("vase")));
 BENCHMARK_CAPTURE(contours, torus, example_scene("torus"));
 BENCHMARK_CAPTURE(contours, cuboid, example_scene("cuboid"));
 BENCHMARK_CAPTURE(contours, vase, example_scene("vase"));
