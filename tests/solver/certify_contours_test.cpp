@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "geometry/expression/field.h"
+#include "tests/support/sampling.h"
 #include "tests/support/scenes.h"
 
 namespace caustic::solver {
@@ -160,6 +161,90 @@ TEST(CertifyContours, CriticalValuesAreUndecided) {
       EXPECT_LT((cell.corners[0] - critical.x).norm(), 20.0 * smallest * system.diameter());
     }
   }
+}
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr int kChords = 40;
+#else
+constexpr int kChords = 1500;
+#endif
+
+// Distance from x to the polyline of a curve on the mirror.
+double distance_to(const Curve& curve, const Point& x) {
+  double least = kInfinity;
+  for (std::size_t i = 0; i + 1 < curve.vertices.size() + curve.closed; ++i) {
+    const Point &a = curve.vertices[i].x, &b = curve.vertices[(i + 1) % curve.vertices.size()].x;
+    const double w = std::clamp((b - a).dot(x - a) / (b - a).squaredNorm(), 0.0, 1.0);
+    least = std::min(least, (a + w * (b - a) - x).norm());
+  }
+  return least;
+}
+
+// Random chords of the mirror: where f changes its sign along one, there is a curve of the answer.
+void expect_all_roots_on_curves(const OpticalSystem& system, int side, ContourRequest request,
+                                std::uint64_t seed) {
+  request.certify = true;
+  request.time_limit = 60.0;
+  const auto result = trace_contours(system, request);
+  EXPECT_TRUE(result.certified) << result.undecided_cells;
+  const ForwardMap map(system, 0, side);
+  const Domain domain(map);
+  test::Random random(seed);
+  const Box& region = map.mirror().region;
+  const Extent extent{region, region.center(), region.diagonal()};
+  int roots = 0;
+  for (const Point& from : test::sample_surface(map.shape(), extent, kChords, random)) {
+    const Vec3 step = 0.01 * region.diagonal() * random.direction();
+    FieldPoint a = map.evaluate(map.project(from));
+    for (int n = 1; n <= 10; ++n) {
+      const FieldPoint b = map.evaluate(map.project(from + n * step));
+      const bool both = domain.contains(a) && domain.contains(b);
+      for (std::size_t l = 0; both && l <= 2 * result.levels.size(); ++l) {
+        const int parity = l % 2 == 0 ? 1 : -1;
+        const bool caustic = l == 2 * result.levels.size();
+        const double level = caustic ? -1.0 : result.levels[l / 2];
+        const LevelFunction f =
+            caustic ? LevelFunction::caustic() : LevelFunction::isolux(level, parity);
+        if ((f.value(a) > 0.0) == (f.value(b) > 0.0)) continue;
+        Point lo = a.x, hi = b.x;
+        const bool rising = f.value(b) > 0.0;
+        for (int i = 0; i < 50; ++i) {
+          const Point middle = map.project(0.5 * (lo + hi));
+          ((f.value(map.evaluate(middle)) > 0.0) == rising ? hi : lo) = middle;
+        }
+        if (!domain.contains(map.evaluate(lo))) continue;
+        ++roots;
+        double least = kInfinity;
+        for (const Curve& curve : result.curves) {
+          const bool same = caustic ? curve.kind == CurveKind::caustic
+                                    : curve.level == level && curve.parity == parity;
+          if (same) least = std::min(least, distance_to(curve, lo));
+        }
+        EXPECT_LT(least, 2e-3 * region.diagonal()) << level << " at " << lo.transpose();
+      }
+      a = b;
+    }
+  }
+  EXPECT_GT(roots, kChords / 10);
+}
+
+TEST(CertifyContours, RandomChordsMeetOnlyKnownCurves) {
+  ContourRequest five;
+  five.levels.count = 5;
+  const auto ball = make_sphere({0, 0, 0}, 1.0);
+  expect_all_roots_on_curves(
+      test::one_mirror(PointLight{{0.3, 0.2, 4}, 1.0}, ball, test::floor_at({0, 0, 6}, 12, 12)), 1,
+      five, 7401);
+  // A tilted dish: two sheets of caustic, and the aperture's edge.
+  const auto dish = make_sphere({0, 0, 1}, 1.0);
+  expect_all_roots_on_curves(test::one_mirror(CollimatedLight{Vec3(0.2, 0.1, -1).normalized(), 1.0},
+                                              dish, test::floor_at({0.1, 0.05, 0.45}, 0.6, 0.6),
+                                              {cylinder_aperture({0, 0, 0}, Vec3::UnitZ(), 0.6),
+                                               half_space_aperture({0, 0, 0.5}, Vec3::UnitZ())}),
+                             -1, five, 7402);
+  ContourRequest three;
+  three.levels.values = {1.0, 2.0, 4.0};
+  expect_all_roots_on_curves(nephroid(), -1, three, 7403);
 }
 
 // Families that enclosures do not know are named, not passed over.
