@@ -193,7 +193,10 @@ void run(ContourTask& task, Budget& budget, double chord, double residual) {
     if (visited(tracks, *f, fuzz, evaluate, task.level)) continue;
     const TraceOptions options{chord, residual, kFirstStepShare * seed.reach};
     Trace trace = trace_contour(evaluate, domain, task.level, *f, options);
-    if (trace.vertices.size() < 2) continue;
+    if (trace.vertices.size() < 2) {
+      task.lost_seeds += trace.stalled;
+      continue;
+    }
     tracks.emplace_back(trace);
     if (!task.field->visibility || !task.seen_only) {
       if (!speck(trace, chord)) task.traces.push_back(std::move(trace));

@@ -22,6 +22,8 @@ constexpr double kMarginShare = 1e-2;
 // be good even where irradiance may be coarse.
 constexpr double kResidualShare = 0.1;
 constexpr double kResidual = 1e-9;
+// The proof may take this share of the time; the rest is for tracing.
+constexpr double kProofShare = 0.6;
 // A level this near to a critical value is moved off it.
 constexpr double kCriticalShare = 1e-9;
 
@@ -54,6 +56,7 @@ class Run {
       : system_(system),
         request_(request),
         budget_(request.time_limit, request.vertex_limit, request.cancelled),
+        proof_budget_(kProofShare * request.time_limit, request.vertex_limit, request.cancelled),
         chord_(request.chord_tolerance > 0.0 ? request.chord_tolerance
                                              : kDefaultChordShare * system.receiver().width()),
         residual_(std::min(kResidualShare * request.irradiance_tolerance, kResidual)) {}
@@ -79,7 +82,7 @@ class Run {
            "\"limit\"");
     }
     conclude();
-    result_.evaluations = budget_.evaluations();
+    result_.evaluations = budget_.evaluations() + proof_budget_.evaluations();
     result_.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     result_.measure = request_.measure;
@@ -114,7 +117,7 @@ class Run {
 
   const OpticalSystem& system_;
   const ContourRequest& request_;
-  Budget budget_;
+  Budget budget_, proof_budget_;
   double chord_, residual_;
   ContourResult result_;
   std::unique_ptr<geometry::EmbreeScene> embree_;
@@ -289,7 +292,7 @@ void Run::certify(const FamilyField& field, std::vector<ContourTask>& tasks) {
   }
   std::vector<LevelFunction> targets;
   for (const ContourTask& task : tasks) targets.push_back(task.level);
-  Evaluator evaluate(field.map, budget_);
+  Evaluator evaluate(field.map, proof_budget_);
   auto certificate = certify_contours(evaluate, field.domain, targets, {request_.cell_limit});
   for (Seed& seed : certificate.seeds) tasks[seed.target].seeds.push_back(std::move(seed));
   result_.cells += certificate.cells;
@@ -301,7 +304,7 @@ void Run::certify(const FamilyField& field, std::vector<ContourTask>& tasks) {
   }
   if (certificate.exhausted && !budget_.exhausted()) {
     result_.complete = false;
-    warn("limit", "the limit of cells cut the proof of " + family + " short");
+    warn("limit", "a limit of cells or time cut the proof of " + family + " short");
   }
 }
 
