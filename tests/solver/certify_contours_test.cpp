@@ -164,9 +164,9 @@ TEST(CertifyContours, CriticalValuesAreUndecided) {
 }
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr int kChords = 40;
+constexpr int kChords = 60;
 #else
-constexpr int kChords = 1500;
+constexpr int kChords = 600;
 #endif
 
 // Distance from x to the polyline of a curve on the mirror.
@@ -225,25 +225,26 @@ void expect_all_roots_on_curves(const OpticalSystem& system, int side, ContourRe
       a = b;
     }
   }
-  EXPECT_GT(roots, kChords / 10);
+  EXPECT_GT(roots, kChords / 20);
 }
 
 TEST(CertifyContours, RandomChordsMeetOnlyKnownCurves) {
-  ContourRequest five;
+  ContourRequest five, one, three;
   five.levels.count = 5;
+  one.levels.values = {1.0};
+  three.levels.values = {1.0, 2.0, 4.0};
   const auto ball = make_sphere({0, 0, 0}, 1.0);
   expect_all_roots_on_curves(
       test::one_mirror(PointLight{{0.3, 0.2, 4}, 1.0}, ball, test::floor_at({0, 0, 6}, 12, 12)), 1,
       five, 7401);
-  // A tilted dish: two sheets of caustic, and the aperture's edge.
-  const auto dish = make_sphere({0, 0, 1}, 1.0);
+  // A tilted dish: two sheets of caustic, and the aperture's edge. (A sphere's second caustic is a
+  // line through its centre, of which the receiver sees a point.)
+  const auto dish = make_ellipsoid({0, 0, 1}, {1.0, 1.2, 1.0}, Mat3::Identity());
   expect_all_roots_on_curves(test::one_mirror(CollimatedLight{Vec3(0.2, 0.1, -1).normalized(), 1.0},
                                               dish, test::floor_at({0.1, 0.05, 0.45}, 0.6, 0.6),
                                               {cylinder_aperture({0, 0, 0}, Vec3::UnitZ(), 0.6),
                                                half_space_aperture({0, 0, 0.5}, Vec3::UnitZ())}),
-                             -1, five, 7402);
-  ContourRequest three;
-  three.levels.values = {1.0, 2.0, 4.0};
+                             -1, one, 7402);
   expect_all_roots_on_curves(nephroid(), -1, three, 7403);
 }
 
