@@ -13,8 +13,8 @@ using geometry::IntervalVecJet;
 namespace {
 
 // Rounds of interval Newton on the heights of a cell, and the share that is worth another.
-constexpr int kNarrowings = 6;
-constexpr double kWorthNarrowing = 0.7;
+constexpr int kHeightRounds = 6;
+constexpr double kHeightShare = 0.7;
 
 Slopes first_order(const IntervalJet& a) { return {a.v, a.s, a.t}; }
 Slopes scaled(const Slopes& a, double k) { return {k * a.v, k * a.s, k * a.t}; }
@@ -98,7 +98,7 @@ bool EnclosedMap::narrow(const GraphChart& chart, GraphCell& cell) const {
   box[j] = cell.t;
   middle[i] = cell.s.middle();
   middle[j] = cell.t.middle();
-  for (int round = 0; round < kNarrowings; ++round) {
+  for (int round = 0; round < kHeightRounds; ++round) {
     box[k] = cell.z;
     middle[k] = cell.z.middle();
     const auto over = shape_.enclose(box);
@@ -110,7 +110,7 @@ bool EnclosedMap::narrow(const GraphChart& chart, GraphCell& cell) const {
     cell.whole |= next.lo > cell.z.lo && next.hi < cell.z.hi;
     const Interval cut = intersection(cell.z, next);
     if (cut.empty()) return false;
-    const bool worthwhile = cut.width() < kWorthNarrowing * cell.z.width();
+    const bool worthwhile = cut.width() < kHeightShare * cell.z.width();
     cell.z = cut;
     if (!worthwhile) break;
   }
