@@ -83,7 +83,9 @@ Analysis analyse(const OpticalSystem& system, ContourRequest request) {
                                               " places could not be settled: where they matter, "
                                               "errors are as large as areas and fluxes may be"});
   }
-  out.flux.error += flux_left_out(result, request);
+  const double left_out = flux_left_out(result, request);
+  out.flux.error += left_out;
+  for (LevelAnalysis& level : out.levels) level.flux.error += left_out;
   const Vec2& half = system.receiver().half;
   const double area = 4.0 * half.x() * half.y();
   out.average = {out.flux.value / area, out.flux.error / area};

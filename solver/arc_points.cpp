@@ -64,6 +64,7 @@ std::optional<ArcPoint> along_level(SheetCarrier& carrier, double level, const A
     const bool all_rounding = last < kRoundingArcStep && std::abs(step) > 0.5 * last;
     if (!there || all_rounding || std::abs(step) <= kLastArcStep) {
       at.dq = chord - (total.gradient.dot(chord) / slope) * across;
+      at.off = std::abs(step) * across.norm();
       return at;
     }
     last = std::abs(step);

@@ -14,6 +14,7 @@ struct ArcPoint {
   std::optional<FieldPoint>
       own;                 ///< of a boundary but the receiver's edge: the end of its own sheet
   Vec3 dx = Vec3::Zero();  ///< derivative of own.x
+  double off = 0.0;        ///< of a level arc: distance from it that is left, m
 };
 
 /// Between two vertices of a level arc; nothing if it could not be followed.

@@ -67,8 +67,9 @@ RegionIntegrator::Density RegionIntegrator::level_density(const ArcPoint& at) co
   Density sum = Density::Zero();
   for (const Branch& b : at.branches) add_sheet(b, b.at.pull_back(at.dq), sum);
   sum[kArea] = 0.5 * (at.q.x() * at.dq.y() - at.q.y() * at.dq.x());
-  sum[kNoise] = rounding_of_total(carrier_, at.branches) * at.dq.norm() /
-                total_of(at.branches).gradient.norm();
+  const double moved =
+      rounding_of_total(carrier_, at.branches) / total_of(at.branches).gradient.norm();
+  sum[kNoise] = (moved + at.off) * at.dq.norm();
   sum.segment<2>(kClosing) = at.dq;
   return sum;
 }
