@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "geometry/isolated_point.h"
+#include "geometry/narrowed.h"
 
 namespace caustic::geometry {
 
@@ -18,45 +19,13 @@ constexpr double kMarginBelow = 0.0517, kMarginAbove = 0.0733;
 constexpr double kSteepestGraph = 3.0;
 // Boxes smaller than this share of the first are not divided, and no more than so many looked at.
 constexpr double kSmallestBoxShare = 1e-5;
-constexpr std::size_t kMaxBoxes = 8000;
+constexpr std::size_t kMaxBoxes = 20000;
 
 IntervalVec3 extended(const IntervalVec3& box, std::size_t axis) {
   IntervalVec3 longer = box;
   const double length = box[axis].width();
   longer[axis] = {box[axis].lo - length, box[axis].hi + length};
   return longer;
-}
-
-// Ranges of g and ∇g over a box, by mean values about its middle where these are narrower (S17).
-struct Narrowed {
-  Interval g;
-  IntervalVec3 gradient;
-};
-Narrowed narrowed(const Surface& surface, const IntervalVec3& box) {
-  const auto over = surface.enclose(box);
-  IntervalVec3 middle, step;
-  for (std::size_t i = 0; i < 3; ++i) {
-    middle[i] = box[i].middle();
-    step[i] = box[i] - middle[i];
-  }
-  const auto at = surface.enclose(middle);
-  const auto meet = [](const Interval& a, const Interval& b) {
-    const Interval both = intersection(a, b);
-    return both.empty() ? a : both;  // rounding alone parts them
-  };
-  Narrowed out{at.g, at.gradient};
-  for (std::size_t k = 0; k < 6; ++k) {
-    const auto [i, j] = kPackedIndices[k];
-    const auto row = static_cast<std::size_t>(i), column = static_cast<std::size_t>(j);
-    out.gradient[row] += over.hessian[k] * step[column];
-    if (row != column) out.gradient[column] += over.hessian[k] * step[row];
-  }
-  for (std::size_t i = 0; i < 3; ++i) {
-    out.gradient[i] = meet(over.gradient[i], out.gradient[i]);
-    out.g += out.gradient[i] * step[i];
-  }
-  out.g = meet(over.g, out.g);
-  return out;
 }
 
 // The axis along which g is monotone, also well beyond the box, and by how much the graph rises.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "geometry/narrowed.h"
+
 namespace caustic::solver {
 
 using geometry::constant_jet;
@@ -103,10 +105,12 @@ bool EnclosedMap::narrow(const GraphChart& chart, GraphCell& cell) const {
     middle[k] = cell.z.middle();
     const auto over = shape_.enclose(box);
     if (!over.g.contains_zero()) return false;
-    if (over.gradient[k].contains_zero()) break;
-    const Interval g = shape_.enclose(middle).g + over.gradient[i] * (cell.s - middle[i]) +
-                       over.gradient[j] * (cell.t - middle[j]);
-    const Interval next = middle[k] - g / over.gradient[k];
+    IntervalVec3 N = over.gradient;
+    if (N[k].contains_zero()) N = geometry::narrowed(shape_, box).gradient;
+    if (N[k].contains_zero()) break;
+    const Interval g =
+        shape_.enclose(middle).g + N[i] * (cell.s - middle[i]) + N[j] * (cell.t - middle[j]);
+    const Interval next = middle[k] - g / N[k];
     cell.whole |= next.lo > cell.z.lo && next.hi < cell.z.hi;
     const Interval cut = intersection(cell.z, next);
     if (cut.empty()) return false;
@@ -149,7 +153,7 @@ void EnclosedMap::follow(const GraphChart& chart, const GraphCell& cell, Trail& 
   box[i] = cell.s;
   box[j] = cell.t;
   box[k] = cell.z;
-  const auto g = shape_.enclose(box);
+  auto g = shape_.enclose(box);
   const auto third = shape_.enclose_third(box);
   const auto H = [&](std::size_t a, std::size_t b) -> const Interval& {
     constexpr std::size_t kPacked[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
@@ -160,13 +164,23 @@ void EnclosedMap::follow(const GraphChart& chart, const GraphCell& cell, Trail& 
                                         static_cast<int>(c))];
   };
 
-  // (S71): the graph and ∇g along it.
-  const Interval z_s = -(g.gradient[i] / g.gradient[k]), z_t = -(g.gradient[j] / g.gradient[k]);
+  // (S71): the graph and ∇g along it, first as the box has it, then narrowed by its slopes.
+  Interval z_s, z_t;
   IntervalVec3 H_s, H_t;  // Hessian times x_s, x_t
+  const auto find_slopes = [&] {
+    z_s = -(g.gradient[i] / g.gradient[k]);
+    z_t = -(g.gradient[j] / g.gradient[k]);
+    for (std::size_t a = 0; a < 3; ++a) {
+      H_s[a] = H(a, i) + H(a, k) * z_s;
+      H_t[a] = H(a, j) + H(a, k) * z_t;
+    }
+  };
+  find_slopes();
   for (std::size_t a = 0; a < 3; ++a) {
-    H_s[a] = H(a, i) + H(a, k) * z_s;
-    H_t[a] = H(a, j) + H(a, k) * z_t;
+    const Interval unknown = Interval::whole();
+    g.gradient[a] = trail({g.gradient[a], H_s[a], H_t[a], unknown, unknown, unknown}).v;
   }
+  find_slopes();
   const Interval z_ss = -((H_s[i] + z_s * H_s[k]) / g.gradient[k]);
   const Interval z_st = -((H_t[i] + z_s * H_t[k]) / g.gradient[k]);
   const Interval z_tt = -((H_t[j] + z_t * H_t[k]) / g.gradient[k]);
@@ -240,11 +254,16 @@ void EnclosedMap::follow(const GraphChart& chart, const GraphCell& cell, Trail& 
   for (int c = 0; c < 2; ++c) {
     const Slopes P = difference(product(at[c], D_m), product(y_m, D[c]));
     const double half = receiver.half[c];
-    out.dark |= P.v.mignitude() > (half * abs(D_m.v)).hi;
+    const auto beyond = [&](double edge) {
+      const Slopes h = combined(P, first_order(D_m), -edge);
+      const Interval unknown = Interval::whole();
+      return first_order(trail({h.v, h.s, h.t, unknown, unknown, unknown}));
+    };
+    const Slopes above = beyond(half), below = beyond(-half);
+    out.dark |= sign_of(above.v) * sign_of(below.v) > 0;
     if (facing == 0) continue;
-    for (const double end : {1.0, -1.0}) {
-      out.bounds.push_back(combined(scaled(P, end * facing), first_order(D_m), -facing * half));
-    }
+    out.bounds.push_back(scaled(above, facing));
+    out.bounds.push_back(scaled(below, -facing));
   }
 
   out.regular = facing != 0 && upward != 0 && !total_reflection;
