@@ -186,10 +186,11 @@ void TotalTracer::trace(double level, int& rings) {
 
 std::optional<std::string> total_unsupported(const std::vector<const FamilyField*>& fields) {
   for (const FamilyField* field : fields) {
-    if (field->map.hop_count() > 1) return "the total of families of several bounces";
-    for (int b = 0; b < field->domain.size(); ++b) {
-      if (field->domain.ending(b) == Ending::total_internal_reflection)
-        return "the total next to total internal reflection";
+    for (const Cell& cell : field->exploration.cells) {
+      for (const Corner& corner : cell.polygon) {
+        if (corner.boundary == kPathEnds)
+          return "the total next to grazing incidence on a later surface or total reflection";
+      }
     }
   }
   return std::nullopt;
