@@ -21,6 +21,8 @@ constexpr double kCrossingStep = 1e-12;
 constexpr double kSegmentSlack = 0.1;
 constexpr double kSegmentEnds = 1e-9;
 constexpr double kBoundaryResidual = 1e-13;
+// Crossings this near to a contact, in widths of the receiver, are part of it.
+constexpr double kContactShare = 1e-6;
 // What changes its sign is zero to this share of its values at both ends.
 constexpr double kSignShare = 1e-13;
 
@@ -38,17 +40,20 @@ class BoundaryCutter {
         width_(carrier.system().receiver().width()) {}
 
   std::vector<std::vector<Cut>> run() {
-    cut_at_crossings();
     for (std::size_t c = 0; c < curves_.size() && !budget_.exhausted(); ++c) {
-      if (curves_[c].on_receiver_edge()) {
-        cut_at_ends_of_others(c);
-      } else if (curves_[c].kind == BoundaryKind::caustic) {
+      if (curves_[c].on_receiver_edge()) continue;
+      if (curves_[c].kind == BoundaryKind::caustic) {
         cut_at_cusps(c);
       } else {
         cut_at_contacts(c);
         if (curves_[c].edge) cut_at_limits(c);
       }
     }
+    tangential_ = cuts_;
+    for (std::size_t c = 0; c < curves_.size(); ++c) {
+      if (curves_[c].on_receiver_edge()) cut_at_ends_of_others(c);
+    }
+    cut_at_crossings();
     for (auto& cuts : cuts_) {
       std::sort(cuts.begin(), cuts.end(), [](const Cut& a, const Cut& b) { return a.at < b.at; });
     }
@@ -68,13 +73,19 @@ class BoundaryCutter {
   void cut_at_contacts(std::size_t c);
   void cut_caustics_at(int field, const FieldPoint& contact);
   void cut_at_limits(std::size_t c);
+  // Next to a place where two images touch rounding makes them cross.
+  bool at_contact(std::size_t c, const Vec2& q) const {
+    return std::any_of(tangential_[c].begin(), tangential_[c].end(), [&](const Cut& cut) {
+      return (cut.place.q - q).norm() <= kContactShare * width_;
+    });
+  }
   void add_cut(std::size_t c, std::size_t i, BoundaryPlace at);
 
   SheetCarrier& carrier_;
   Budget& budget_;
   double chord_;
   const std::vector<BoundaryCurve>& curves_;
-  std::vector<std::vector<Cut>> cuts_;
+  std::vector<std::vector<Cut>> cuts_, tangential_;
   double width_;
 };
 
@@ -117,6 +128,7 @@ void BoundaryCutter::cross_segments(std::size_t c, std::size_t i, std::size_t d,
                    wb = db.dot(b->q - b0) / db.squaredNorm();
       if (!(std::abs(wa - 0.5) <= 0.5 + kSegmentEnds && std::abs(wb - 0.5) <= 0.5 + kSegmentEnds))
         return;
+      if (at_contact(c, a->q) || at_contact(d, a->q)) return;
       b->q = a->q;
       add_cut(c, i, *a);
       add_cut(d, j, *b);
