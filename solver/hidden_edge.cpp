@@ -8,6 +8,8 @@ namespace caustic::solver {
 namespace {
 
 constexpr int kHiddenSteps = 20;
+// A place that lies this share of the segment away from where it was last is another one.
+constexpr double kOtherPlace = 0.1;
 constexpr double kHiddenRoundings = 8.0;
 constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
@@ -111,7 +113,7 @@ HiddenEdge::State HiddenEdge::solved(const FieldPoint& f, const State& guess) co
     good = hiding_.kind == Hiding::Kind::touch ? touch(a, b, state) : rim(a, b, state);
   }
   state.gradient = state.gradient.x() * f.e1 + state.gradient.y() * f.e2;
-  if (!good) state.h = kNoNumber;
+  if (!good || std::abs(state.t - guess.t) > kOtherPlace) state.h = kNoNumber;
   return state;
 }
 

@@ -24,6 +24,8 @@ constexpr double kOverhang = 4.0;
 constexpr double kMemorySpacing = 0.1;
 // The way by a curve's point is longer than its chord by no more than this share.
 constexpr double kDetour = 0.1;
+// Edges of the same kind on which the same place lies to this share of the scene are one.
+constexpr double kSameEdge = 1e-9;
 // Newton's way to an edge, in lengths of its bracket.
 constexpr double kBracketTrust = 3.0;
 
@@ -90,6 +92,7 @@ class HiddenEdgeFinder {
   void take(Bracket bracket);
   void narrow(Bracket& bracket);
   bool known(const Bracket& bracket);
+  bool known(const HiddenEdge& edge, const FieldPoint& at) const;
   void add_vertex(Walked& edge, const Bracket& bracket);
   std::vector<std::shared_ptr<HiddenEdge>> candidates(const Bracket& bracket) const;
   bool trace(const std::shared_ptr<HiddenEdge>& edge, const Bracket& bracket);
@@ -235,6 +238,18 @@ bool HiddenEdgeFinder::known(const Bracket& bracket) {
   return false;
 }
 
+// The same of a place on an edge.
+bool HiddenEdgeFinder::known(const HiddenEdge& edge, const FieldPoint& at) const {
+  for (const Walked& other : edges_) {
+    const HiddenEdge& h = *other.curve.edge;
+    if (!h.hiding().same_function(edge.hiding())) continue;
+    const auto [i, detour] = other.nearest(at.x);
+    const double chord = (other.curve.own[other.next(i)].x - other.curve.own[i].x).norm();
+    if (detour <= kDetour * chord && std::abs(h.value(at)) <= kSameEdge * diameter_) return true;
+  }
+  return false;
+}
+
 void HiddenEdgeFinder::add_vertex(Walked& edge, const Bracket& bracket) {
   const auto at = correct(evaluate_, edge.curve.function(field_), bracket.visible, {residual_});
   if (!at || !opening_at(carrier_, edge.curve, *at).real) return;
@@ -283,6 +298,7 @@ bool HiddenEdgeFinder::trace(const std::shared_ptr<HiddenEdge>& edge, const Brac
   if (!at) return false;
   BoundaryCurve probe{kind_of(edge->ending()), index_, -1, false, {}, {}, edge};
   if (!opening_at(carrier_, probe, *at).real) return false;
+  if (known(*edge, *at)) return true;
   auto found = curves_along(carrier_, index_, kind_of(edge->ending()), function,
                             {Seed{0, *at, bracket.reach}}, budget_, chord_, residual_);
   for (BoundaryCurve& curve : found) {

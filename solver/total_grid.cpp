@@ -9,6 +9,8 @@ namespace {
 
 constexpr int kCells = 24;  // a side
 constexpr int kHalvings = 30;
+// Halvings until both ends lie in one face; what is nearer to a boundary is given up.
+constexpr int kFaceHalvings = 16;
 // Off the middle lines of symmetric scenes, on which their curves like to lie.
 constexpr double kOffset = 0.0137;
 
@@ -106,29 +108,37 @@ std::optional<TotalGrid::Place> TotalGrid::missing() {
   return std::nullopt;
 }
 
-// By halving, as long as the sheets of one end can be carried.
-std::optional<TotalGrid::Place> TotalGrid::level_between(const Node& a, const Vec2& qa,
-                                                         const Node& b, const Vec2& qb) {
-  for (const bool from_a : {true, false}) {
-    const Node& start = from_a ? a : b;
-    const Vec2 begin = from_a ? qa : qb, end = from_a ? qb : qa;
-    Branches there = start.branches;
-    if (there.empty() || there.size() != (from_a ? b : a).branches.size()) continue;
-    if (!carrier_.carry(there, end)) continue;
-    if ((total_of(there).E >= level_) == (start.total >= level_)) continue;
-    double lo = 0.0, hi = 1.0;
-    Branches at = start.branches;
-    for (int k = 0; k < kHalvings; ++k) {
-      const double middle = 0.5 * (lo + hi);
-      Branches next = at;
-      if (!carrier_.carry(next, (1.0 - middle) * begin + middle * end)) break;
-      ((total_of(next).E >= level_) == (start.total >= level_) ? lo : hi) = middle;
-      at.swap(next);
-    }
-    const Vec2 q = (1.0 - lo) * begin + lo * end;
-    if (carrier_.carry(at, q)) return Place{q, std::move(at)};
+// By halving, with the sheets carried once both ends have the same.
+std::optional<TotalGrid::Place> TotalGrid::level_between(Node a, Vec2 qa, Node b, Vec2 qb) {
+  for (int k = 0; k < kFaceHalvings; ++k) {
+    if (auto place = level_in_face(a, qa, b, qb)) return place;
+    const Vec2 middle = 0.5 * (qa + qb);
+    Branches branches = carrier_.find(middle);
+    const double total = total_of(branches).E;
+    const bool with_a = (total >= level_) == (a.total >= level_);
+    (with_a ? a : b) = {std::move(branches), total};
+    (with_a ? qa : qb) = middle;
   }
   return std::nullopt;
+}
+
+std::optional<TotalGrid::Place> TotalGrid::level_in_face(const Node& a, const Vec2& qa,
+                                                         const Node& b, const Vec2& qb) {
+  Branches at = a.branches, there = at;
+  if (at.empty() || at.size() != b.branches.size() || !carrier_.carry(there, qb) ||
+      (total_of(there).E >= level_) == (a.total >= level_))
+    return std::nullopt;
+  double lo = 0.0, hi = 1.0;
+  for (int k = 0; k < kHalvings; ++k) {
+    const double middle = 0.5 * (lo + hi);
+    Branches next = at;
+    if (!carrier_.carry(next, (1.0 - middle) * qa + middle * qb)) break;
+    ((total_of(next).E >= level_) == (a.total >= level_) ? lo : hi) = middle;
+    at.swap(next);
+  }
+  const Vec2 q = (1.0 - lo) * qa + lo * qb;
+  if (!carrier_.carry(at, q)) return std::nullopt;
+  return Place{q, std::move(at)};
 }
 
 }  // namespace caustic::solver

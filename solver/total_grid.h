@@ -37,7 +37,8 @@ class TotalGrid {
   std::size_t index(int i, int j) const { return static_cast<std::size_t>(j * (count_ + 1) + i); }
   Vec2 place(int i, int j) const;
   void doubt_nodes_near(const Vec2& a, const Vec2& b, double distance);
-  std::optional<Place> level_between(const Node& a, const Vec2& qa, const Node& b, const Vec2& qb);
+  std::optional<Place> level_between(Node a, Vec2 qa, Node b, Vec2 qb);
+  std::optional<Place> level_in_face(const Node& a, const Vec2& qa, const Node& b, const Vec2& qb);
 
   SheetCarrier& carrier_;
   Vec2 half_;
