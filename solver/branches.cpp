@@ -10,7 +10,8 @@ constexpr int kMaxCarrySteps = 12;
 // Newton's first step must leave less than this share of the way, or the way is halved: on it the
 // map is far from linear, and another sheet could be met.
 constexpr double kContraction = 0.25;
-constexpr int kMaxHalvings = 16;
+constexpr double kLeastShare = 0x1p-16;
+constexpr int kMaxCarries = 400;
 // Arrival within this many roundings of x, by the stretch of the map.
 constexpr double kArrivalRoundings = 4.0;
 
@@ -70,17 +71,15 @@ std::optional<FieldPoint> SheetCarrier::newton(int field, const FieldPoint& from
 std::optional<FieldPoint> SheetCarrier::carry(int field, const FieldPoint& from, const Vec2& to) {
   FieldPoint at = from;
   double share = 1.0;
-  int halvings = 0;
-  while (!budget_.exhausted()) {
-    const Vec2 rest = to - at.q;
+  for (int steps = 0; steps < kMaxCarries && !budget_.exhausted(); ++steps) {
     const bool last = share == 1.0;
-    if (auto next = newton(field, at, last ? to : Vec2(at.q + share * rest))) {
+    if (auto next = newton(field, at, last ? to : Vec2(at.q + share * (to - at.q)))) {
       if (last) return next;
       at = std::move(*next);
       share = std::min(1.0, 2.0 * share);
     } else {
-      if (++halvings > kMaxHalvings) return std::nullopt;
       share *= 0.5;
+      if (share < kLeastShare) return std::nullopt;
     }
   }
   return std::nullopt;

@@ -29,6 +29,9 @@ constexpr int kMaxSplits = 40;
 constexpr double kNearNode = 1e-2;
 constexpr double kNodeShare = 1e-8;
 
+// The nodes on both sides of a boundary at which a sheet begins with E = 0 are this near to each
+// other, in widths of the receiver.
+constexpr double kFadeShare = 1e-7;
 // Nodes lie on their level to this.
 constexpr double kNodeResidual = 1e-9;
 
@@ -175,6 +178,9 @@ bool ArcTracer::Impl::accept(const ArcNode& a, const ArcNode& b, std::vector<Tot
   std::optional<std::size_t> end;
   double first = geometry::kInfinity;
   for (std::size_t k = 0; k < ends.size(); ++k) {
+    // Where a sheet fades out the arc on the other side ends just where this one begins.
+    if (arc.vertices.size() == 1 && (ends[k].q - arc.vertices[0].q).norm() <= kFadeShare * width_)
+      continue;
     const auto s = meets(a, b, ends[k].q, kNearNode);
     if (!s || *s >= first) continue;
     // The exact curve where it passes the node.

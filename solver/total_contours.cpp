@@ -32,7 +32,6 @@ class TotalTracer {
         curves_(trace_boundaries(carrier_, budget, chord, residual)),
         pieces_(cut_boundaries(carrier_, curves_, chord, budget)),
         grid_(carrier_) {
-    if(getenv("DBG")) fprintf(stderr,"[curves %zu pieces %zu unresolved %zu]",curves_.size(),pieces_.pieces.size(),pieces_.unresolved);
     result_.unresolved = pieces_.unresolved;
     if (observer_) observer_->boundaries(carrier_, curves_, pieces_);
   }
@@ -111,10 +110,8 @@ bool TotalTracer::hidden_on(const LevelArc& arc) {
 }
 
 void TotalTracer::take(LevelArc arc, double level, std::vector<Drawn>& drawn) {
-  if(getenv("DBG")&&arc.stalled) fprintf(stderr,"[stalled]");
   result_.unresolved += arc.stalled;
   if (arc.vertices.size() < 2) return;
-  if(getenv("DBG")&&hidden_on(arc)) fprintf(stderr,"[hidden_on]");
   result_.unresolved += hidden_on(arc);
   if (observer_) observer_->level_arc(level, arc);
   Curve curve;
@@ -170,13 +167,11 @@ void TotalTracer::trace(double level, int& rings) {
   while (const auto place = grid_.missing()) {
     take(tracer.follow(place->q, place->branches, ends), level, drawn);
   }
-  if(getenv("DBG")) fprintf(stderr,"[L %g starts %zu ends left %zu grid %zu]",level,starts.size(),ends.size(),grid_.undecided()-undecided);
   result_.unresolved += ends.size() + grid_.undecided() - undecided;
 
   std::vector<RingArc> arcs;
   for (const Drawn& d : drawn) arcs.push_back(d.arc);
   const Rings joined = join_rings(arcs, kJoinShare * system_.receiver().width());
-  if(getenv("DBG")) fprintf(stderr,"[rings open %zu]",joined.open);
   result_.unresolved += joined.open;
   for (std::size_t k = 0; k < drawn.size(); ++k) {
     drawn[k].curve.ring_id = rings + joined.id[k];

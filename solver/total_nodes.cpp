@@ -25,14 +25,17 @@ class NodeFinder {
     const auto& v = piece_.vertices;
     for (std::size_t i = 0; i < v.size(); ++i) {
       if (i == 0) {
-        state_ = {v[0].outside >= level_, v[0].inside >= level_};
+        state_ = {v[0].outside >= level_, (fades() ? v[0].outside : v[0].inside) >= level_};
         begin_part(v[0]);
         continue;
       }
       for (const auto& [w, side, at] : crossings(i - 1)) {
-        add_node(at, side);
         if (part_) part_->back().vertices.push_back(at);
-        state_[side] = !state_[side];
+        for (const int node_side : {0, 1}) {
+          if (node_side != side && !fades()) continue;
+          add_node(at, node_side);
+          state_[node_side] = !state_[node_side];
+        }
         begin_part(at);
       }
       if (part_) part_->back().vertices.push_back(v[i]);
@@ -50,6 +53,11 @@ class NodeFinder {
     BoundaryVertex at;
   };
   double total(const BoundaryVertex& v, int side) const { return side == 0 ? v.outside : v.inside; }
+  // Where sheets fade in both totals are one.
+  bool fades() const {
+    return curve_.kind == BoundaryKind::silhouette ||
+           curve_.kind == BoundaryKind::total_internal_reflection;
+  }
   // A part in which the inside is above the level begins here, or none.
   void begin_part(const BoundaryVertex& v) {
     part_ = !state_[1] ? nullptr : state_[0] ? &out_.within : &out_.jumps;
@@ -60,6 +68,7 @@ class NodeFinder {
     std::vector<Crossing> found;
     const BoundaryVertex &a = piece_.vertices[i], &b = piece_.vertices[i + 1];
     for (const int side : {0, 1}) {
+      if (side == 1 && fades()) continue;
       if ((total(a, side) >= level_) == (total(b, side) >= level_)) continue;
       if (auto c = root(a, b, side)) found.push_back(std::move(*c));
     }
