@@ -55,6 +55,7 @@ class Run {
   Run(const OpticalSystem& system, const ContourRequest& request)
       : system_(system),
         request_(request),
+        measure_(request.measure),
         budget_(request.time_limit, request.vertex_limit, request.cancelled),
         proof_budget_(kProofShare * request.time_limit, request.vertex_limit, request.cancelled),
         chord_(request.chord_tolerance > 0.0 ? request.chord_tolerance
@@ -65,15 +66,21 @@ class Run {
     const auto begin = std::chrono::steady_clock::now();
     list_families();
     explore();
-    if (request_.measure == Measure::total) {
+    if (measure_ == Measure::total) {
       result_.unsupported = total_unsupported(fields_of_total());
-      if (result_.unsupported) return std::move(result_);
+      if (result_.unsupported && !request_.sheets_instead) return std::move(result_);
+    }
+    if (result_.unsupported) {
+      warn("sheets_instead", "each sheet by itself: " + *result_.unsupported +
+                                 " is not supported by this version");
+      measure_ = Measure::sheet;
+      result_.unsupported.reset();
     }
     result_.levels = request_.isolux ? levels() : std::vector<double>{};
     std::vector<ContourTask> tasks = make_tasks();
     run_all(tasks, request_, budget_, chord_, residual_);
     collect(tasks);
-    if (request_.measure == Measure::total) add_total();
+    if (measure_ == Measure::total) add_total();
     sort_curves(result_.curves);
     if (budget_.exhausted()) {
       result_.complete = false;
@@ -85,7 +92,7 @@ class Run {
     result_.evaluations = budget_.evaluations() + proof_budget_.evaluations();
     result_.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    result_.measure = request_.measure;
+    result_.measure = measure_;
     return std::move(result_);
   }
 
@@ -117,6 +124,7 @@ class Run {
 
   const OpticalSystem& system_;
   const ContourRequest& request_;
+  Measure measure_;
   Budget budget_, proof_budget_;
   double chord_, residual_;
   ContourResult result_;
@@ -224,7 +232,7 @@ std::vector<LevelFunction> Run::targets_for(const FamilyField& field,
                                             std::vector<double>& irradiances) {
   std::vector<std::pair<double, double>> ks;
   std::vector<double> levels = result_.levels;
-  if (request_.measure == Measure::total) levels = {};
+  if (measure_ == Measure::total) levels = {};
   for (const double level : levels) {
     bool met = false;
     for (const int parity : {-1, 1}) {
@@ -315,7 +323,7 @@ void Run::conclude() {
         "closed curves so small that neither the subdivision's edges nor critical points show them "
         "may be missing; \"certify\": true finds them, or names the cells in which they may be");
   }
-  if (request_.measure == Measure::total) {
+  if (measure_ == Measure::total) {
     leave_unproven("closed arcs of the total that meet no boundary");
   }
   const bool stalled = std::any_of(result_.warnings.begin(), result_.warnings.end(),

@@ -61,6 +61,13 @@ void read_limits(ObjectReader& root, ContourRequest& request) {
       read_integer(limits.member_or("cells", kDefaultCells), 1, kMaxCells, root.faults()));
 }
 
+// By default the total, or sheets where that cannot be traced.
+void read_measure(ObjectReader& root, ContourRequest& request) {
+  request.sheets_instead = !root.optional_member("measure");
+  const bool sheet = !request.sheets_instead && root.word("measure", {"total", "sheet"}) == "sheet";
+  request.measure = sheet ? solver::Measure::sheet : solver::Measure::total;
+}
+
 void read_what_is_to_come(ObjectReader& root, const ContourRequest& request) {
   Faults& faults = root.faults();
   if (root.boolean_or("direct", false))
@@ -77,9 +84,8 @@ Scene read_members(ObjectReader& root, ContourRequest& request, bool& store) {
   request.max_bounces = families.max_bounces;
   request.min_flux_share = families.min_flux_share;
   request.levels = read_levels(root);
-  if (root.word_or("measure", {"sheet", "total"}, "sheet") == "total")
-    request.measure = solver::Measure::total;
   request.certify = root.boolean_or("certify", false);
+  read_measure(root, request);
   read_what_is_to_come(root, request);
   read_include(root, request);
   read_tolerance(root, scene, request);

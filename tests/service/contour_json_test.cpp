@@ -20,12 +20,18 @@ using Pointers = std::vector<std::string>;
 
 TEST(ContourJson, reads_the_measure) {
   json request = ball_request();
-  const ContourCall sheet = read_contour_call(request.dump());
-  EXPECT_EQ(sheet.request.measure, solver::Measure::sheet);
+  const ContourCall either = read_contour_call(request.dump());
+  EXPECT_EQ(either.request.measure, solver::Measure::total);
+  EXPECT_TRUE(either.request.sheets_instead);
   request["measure"] = "total";
   const ContourCall total = read_contour_call(request.dump());
   EXPECT_EQ(total.request.measure, solver::Measure::total);
-  EXPECT_NE(total.id, sheet.id);
+  EXPECT_FALSE(total.request.sheets_instead);
+  EXPECT_NE(total.id, either.id);
+  request["measure"] = "sheet";
+  const ContourCall sheet = read_contour_call(request.dump());
+  EXPECT_EQ(sheet.request.measure, solver::Measure::sheet);
+  EXPECT_NE(sheet.id, either.id);
 }
 
 TEST(ContourJson, fills_the_defaults_in) {
@@ -57,7 +63,6 @@ TEST(ContourJson, identity_is_what_is_asked_not_how) {
   json same = plain;
   same["families"] = {{"max_bounces", 1}};
   same["include"] = {"isolux", "caustic", "isolux"};
-  same["measure"] = "sheet";
   same["direct"] = same["certify"] = false;
   same["tolerance"] = {{"chord", 1e-4 * 12}};
   same["scene"]["length_unit"] = "m";

@@ -11,6 +11,7 @@
 #include "service/api/contour_json.h"
 #include "tests/support/contour_checks.h"
 #include "tests/support/sheet_grid.h"
+#include "tests/support/total_checks.h"
 
 namespace caustic::service {
 namespace {
@@ -86,6 +87,7 @@ class EveryExample : public testing::TestWithParam<std::string> {};
 TEST_P(EveryExample, IsTraced) {
   ContourCall call = read_contour_call(find_example(GetParam())->body);
   call.request.time_limit = 60.0;
+  call.request.measure = solver::Measure::sheet;
   const auto result = solver::trace_contours(call.system, call.request);
   EXPECT_TRUE(result.complete);
   EXPECT_FALSE(result.curves.empty());
@@ -93,6 +95,18 @@ TEST_P(EveryExample, IsTraced) {
   expect_complete(call.system, result, 1.5e-4 * call.system.receiver().width());
   expect_complete_over_hops(call.system, result, 1.5e-4 * call.system.receiver().width());
 }
+
+#if !defined(__SANITIZE_THREAD__)  // one thread, half a minute
+TEST_P(EveryExample, HasATotalWhoseRegionsClose) {
+  ContourCall call = read_contour_call(find_example(GetParam())->body);
+  call.request.time_limit = 60.0;
+  const auto result = solver::trace_contours(call.system, call.request);
+  EXPECT_EQ(result.measure, solver::Measure::total);
+  EXPECT_EQ(result.undecided_cells, 0u);
+  for (const auto& w : result.warnings) EXPECT_EQ(w.code, "conditioning") << w.detail;
+  test::expect_closed_rings(result, call.system.receiver().width());
+}
+#endif
 
 std::vector<std::string> names() {
   std::vector<std::string> out;
@@ -149,7 +163,8 @@ double reflector_irradiance(const Vec2& at) {
 }
 
 TEST(FreeformHeights, ItsContoursAreThoseOfTheSampledShape) {
-  const ContourCall call = read_contour_call(find_example("freeform-heights")->body);
+  ContourCall call = read_contour_call(find_example("freeform-heights")->body);
+  call.request.measure = solver::Measure::sheet;
   const auto result = solver::trace_contours(call.system, call.request);
   int checked = 0;
   for (const Curve& c : result.curves) {

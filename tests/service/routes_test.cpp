@@ -119,7 +119,7 @@ TEST_F(RoutesTest, what_the_engine_lacks_is_a_fault_of_the_request) {
   engine = [](const auto&, const auto& request) {
     solver::ContourResult result;
     EXPECT_EQ(request.measure, solver::Measure::total);
-    result.unsupported = "the total where surfaces hide light";
+    result.unsupported = "the total of moonlight";
     return result;
   };
   json request = ball_request();
@@ -127,7 +127,7 @@ TEST_F(RoutesTest, what_the_engine_lacks_is_a_fault_of_the_request) {
   const HttpResponse response = post(request);
   EXPECT_EQ(response.status, 422);
   EXPECT_EQ(json::parse(response.body)["errors"], json::parse(R"([{"pointer":"/measure","detail":
-                "the total where surfaces hide light: not supported by this version"}])"));
+                "the total of moonlight: not supported by this version"}])"));
   engine = test::draw_circles;
   EXPECT_EQ(post(request).status, 200);  // nothing was stored
 }
