@@ -67,7 +67,8 @@ class Run {
     list_families();
     explore();
     if (measure_ == Measure::total) {
-      result_.unsupported = total_unsupported(fields_of_total());
+      result_.unsupported = request_.certify ? "certification of the total"
+                                             : total_unsupported(fields_of_total());
       if (result_.unsupported && !request_.sheets_instead) return std::move(result_);
     }
     if (result_.unsupported) {

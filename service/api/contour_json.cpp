@@ -72,7 +72,7 @@ void read_what_is_to_come(ObjectReader& root, const ContourRequest& request) {
   Faults& faults = root.faults();
   if (root.boolean_or("direct", false))
     faults.not_supported(root.pointer_to("direct"), "the direct light");
-  if (request.certify && request.measure == solver::Measure::total)
+  if (request.certify && request.measure == solver::Measure::total && !request.sheets_instead)
     faults.not_supported(root.pointer_to("certify"), "certification of the total");
 }
 
