@@ -165,8 +165,10 @@ TEST(CertifyContours, CriticalValuesAreUndecided) {
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr int kChords = 60;
+constexpr bool kAllMirrors = false;
 #else
 constexpr int kChords = 600;
+constexpr bool kAllMirrors = true;
 #endif
 
 // Distance from x to the polyline of a curve on the mirror.
@@ -233,6 +235,8 @@ TEST(CertifyContours, RandomChordsMeetOnlyKnownCurves) {
   five.levels.count = 5;
   one.levels.values = {1.0};
   three.levels.values = {1.0, 2.0, 4.0};
+  expect_all_roots_on_curves(nephroid(), -1, three, 7403);
+  if (!kAllMirrors) return;
   const auto ball = make_sphere({0, 0, 0}, 1.0);
   expect_all_roots_on_curves(
       test::one_mirror(PointLight{{0.3, 0.2, 4}, 1.0}, ball, test::floor_at({0, 0, 6}, 12, 12)), 1,
@@ -245,7 +249,6 @@ TEST(CertifyContours, RandomChordsMeetOnlyKnownCurves) {
                                               {cylinder_aperture({0, 0, 0}, Vec3::UnitZ(), 0.6),
                                                half_space_aperture({0, 0, 0.5}, Vec3::UnitZ())}),
                              -1, one, 7402);
-  expect_all_roots_on_curves(nephroid(), -1, three, 7403);
 }
 
 // Families that enclosures do not know are named, not passed over.
