@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "geometry/narrowed.h"
+#include "solver/enclosed_share.h"
 
 namespace caustic::solver {
 
@@ -82,9 +83,7 @@ struct EnclosedMap::Result {
   std::vector<Slopes> bounds;
 };
 
-bool EnclosedMap::encloses(const ForwardMap& map) {
-  return map.hop_count() == 1 && map.mirror().optics.constant_share();
-}
+bool EnclosedMap::encloses(const ForwardMap& map) { return map.hop_count() == 1; }
 
 EnclosedMap::EnclosedMap(const ForwardMap& map)
     : map_(map), shape_(map.shape()), optics_(map.mirror().optics) {
@@ -210,7 +209,15 @@ void EnclosedMap::follow(const GraphChart& chart, const GraphCell& cell, Trail& 
   IntervalJet across = double(upward) * N[k];
   const IntervalJet dd = trail(geometry::squared_norm(d));
   if (point_source_) across = across * dd * sqrt(dd);
-  out.flux = scaled(first_order(trail(dN / across)), -side * map_.strength());
+  IntervalJet arriving = dN / across;
+  if (!optics_.constant_share()) {
+    const IntervalJet cosine = trail(-side * (dN / sqrt(dd * NN)));
+    const bool reflects = optics_.kind == Optics::Kind::mirror;
+    const auto index = reflects ? *optics_.metal : 1.0 / optics_.eta(map_.side());
+    const IntervalJet reflected = trail(enclosed_reflectance(index, cosine));
+    arriving = arriving * (reflects ? reflected : constant_jet(1.0) - reflected);
+  }
+  out.flux = scaled(first_order(trail(arriving)), -side * map_.strength());
 
   // The bounce (S3), (S24), in the receiver's axes, and the arrival (S4).
   IntervalJet along_d = constant_jet(1.0), along_N;

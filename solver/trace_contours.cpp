@@ -67,13 +67,13 @@ class Run {
     list_families();
     explore();
     if (measure_ == Measure::total) {
-      result_.unsupported = request_.certify ? "certification of the total"
-                                             : total_unsupported(fields_of_total());
+      result_.unsupported =
+          request_.certify ? "certification of the total" : total_unsupported(fields_of_total());
       if (result_.unsupported && !request_.sheets_instead) return std::move(result_);
     }
     if (result_.unsupported) {
-      warn("sheets_instead", "each sheet by itself: " + *result_.unsupported +
-                                 " is not supported by this version");
+      warn("sheets_instead",
+           "each sheet by itself: " + *result_.unsupported + " is not supported by this version");
       measure_ = Measure::sheet;
       result_.unsupported.reset();
     }
@@ -296,8 +296,7 @@ void Run::certify(const FamilyField& field, std::vector<ContourTask>& tasks) {
   const std::string family = "the family by way of " + name_of(field.piece.family);
   if (field.degenerate) return leave_unproven(family + ": it is degenerate");
   if (!EnclosedMap::encloses(field.map)) {
-    return leave_unproven(family +
-                          ": enclosures know families of one hop without Fresnel's losses");
+    return leave_unproven(family + ": enclosures know families of one hop");
   }
   std::vector<LevelFunction> targets;
   for (const ContourTask& task : tasks) targets.push_back(task.level);
@@ -376,8 +375,8 @@ std::vector<const FamilyField*> Run::fields_of_total() const {
 void Run::add_total() {
   const auto fields = fields_of_total();
   if (fields.empty() || (result_.levels.empty() && !request_.observer)) return;
-  TotalContours total = trace_total(system_, fields, result_.levels, chord_, residual_, budget_,
-                                    request_.observer);
+  TotalContours total =
+      trace_total(system_, fields, result_.levels, chord_, residual_, budget_, request_.observer);
   std::move(total.curves.begin(), total.curves.end(), std::back_inserter(result_.curves));
   if (total.unresolved > 0 && !budget_.exhausted()) {
     result_.undecided_cells += total.unresolved;

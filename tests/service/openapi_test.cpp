@@ -99,6 +99,21 @@ TEST(Openapi, answers_fit_it) {
   expect_valid("Problem", json::parse(bad.body));
 }
 
+TEST(Openapi, certified_answers_fit_it) {
+  const test::TemporaryFolder folder;
+  const ResultStore store(folder.path());
+  const ContourService contours(solver::trace_contours, store);
+  json request = json::parse(find_example("nephroid")->body);
+  request["certify"] = true;
+  for (const int cells : {60, 10000}) {
+    request["limits"] = {{"cells", cells}};
+    expect_valid("ContourRequest", request);
+    const json answer = json::parse(contours.post(request.dump()));
+    expect_valid("ContourAnswer", answer);
+    EXPECT_EQ(answer["completeness"].contains("undecided"), cells == 60);
+  }
+}
+
 TEST(Openapi, answers_of_totals_fit_it) {
   const test::TemporaryFolder folder;
   const ResultStore store(folder.path());

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <string>
 
 #include "solver/domain.h"
@@ -30,12 +31,14 @@ struct Scene {
   int side;
 };
 
-OpticalSystem under(Light light, SurfacePtr shape, bool refracts, std::vector<Bound> bounds = {}) {
+OpticalSystem under(Light light, SurfacePtr shape, bool refracts, std::vector<Bound> bounds = {},
+                    const std::function<void(Optics&)>& change = {}) {
   SystemSurface surface = test::mirror(std::move(shape), std::move(bounds), 0.8);
   if (refracts) {
     surface.optics.kind = Optics::Kind::refract;
     surface.optics.index_inside = 1.4;
   }
+  if (change) change(surface.optics);
   return OpticalSystem::build(
       std::move(light), {std::move(surface)},
       ReceiverFrame::make({0.2, -0.1, -2.5}, {1, 0.2, 0.1}, {-0.3, 1, 0.2}, {5, 4}));
@@ -61,6 +64,20 @@ std::vector<Scene> scenes() {
                    side});
     all.push_back({"glass egg", under(beam, egg, true), side});
     all.push_back({"glass ball", under(lamp, ball, true), side});
+    all.push_back({"Fresnel's glass",
+                   under(lamp, ball, true, {}, [](Optics& o) { o.fresnel = true; }), side});
+    all.push_back({"aluminium",
+                   under(beam, egg, false, {},
+                         [](Optics& o) {
+                           o.metal = {1.1, 6.8};
+                         }),
+                   side});
+    all.push_back({"tar",
+                   under(lamp, egg, false, {},
+                         [](Optics& o) {
+                           o.metal = {1.6, 0.05};
+                         }),
+                   side});
   }
   return all;
 }
