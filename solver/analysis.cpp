@@ -72,16 +72,19 @@ Analysis analyse(const OpticalSystem& system, ContourRequest request) {
     out.unsupported = "the analysis of light that is all focused into one point or line";
   if (out.unsupported) return out;
   out.complete = result.complete;
-  out.undecided += result.undecided_cells;
   out.warnings = result.warnings;
+  if (out.undecided > 0) {
+    out.warnings.push_back({"unresolved", std::to_string(out.undecided) +
+                                              " pieces of edges could not be followed: where they "
+                                              "matter, errors are as large as areas and fluxes may "
+                                              "be"});
+  }
+  out.undecided += result.undecided_cells;
+  // Next to what could not be settled there may be a darker place.
+  if (out.undecided > 0) out.min.E.error = std::max(out.min.E.error, out.min.E.value);
   // Where nothing is lit, nothing was traced.
   if (out.levels.empty()) {
     for (const double level : result.levels) out.levels.push_back({level, {}, {}});
-  }
-  if (out.undecided > 0 && !warned(result, "unresolved")) {
-    out.warnings.push_back({"unresolved", std::to_string(out.undecided) +
-                                              " places could not be settled: where they matter, "
-                                              "errors are as large as areas and fluxes may be"});
   }
   const double left_out = flux_left_out(result, request);
   out.flux.error += left_out;

@@ -18,6 +18,8 @@ constexpr std::array<double, 5> kWeights{98.0 / 495.0, 27.0 / 55.0, 28.0 / 45.0,
 constexpr double kSegmentShare = 1e-11;
 constexpr int kMaxSegmentHalvings = 12;
 constexpr double kNoiseFactor = 4.0;
+// An edge whose ends are further apart than this share of the whole is open.
+constexpr double kOpenShare = 1e-5;
 // Sums of terms of the size of the whole, each wrong by some roundings.
 constexpr double kSumRoundings = 8.0;
 
@@ -142,6 +144,7 @@ RegionIntegrals RegionIntegrator::all(const BoundaryPieces& pieces) {
     add(curve, piece.vertices, false, {edge, !edge, edge});
   }
   const RegionIntegrals all = result(pieces.unresolved);
+  unsure_ = pieces.unresolved + all.unresolved > 0;
   most_flux_ = std::min(most_flux_, all.flux.value + all.flux.error);
   return all;
 }
@@ -195,8 +198,11 @@ RegionIntegrals RegionIntegrator::result(std::size_t unresolved) {
   out.flux.value = sum_[kFlux] + flux_beyond_poles();
   out.flux.error = errors_[kFlux] + sum_[kShareError] + level_ * sum_[kNoise] +
                    sum_.segment<3>(kClosingFlux).norm() + rounding * flux_scale_;
-  out.unresolved = unresolved_;
-  if (unresolved + unresolved_ > 0) {
+  // An edge that does not close lacks a part.
+  const bool open = sum_.segment<2>(kClosing).norm() > kOpenShare * lever ||
+                    sum_.segment<3>(kClosingFlux).norm() > kOpenShare * flux_scale_;
+  out.unresolved = unresolved_ + open;
+  if (unresolved + out.unresolved > 0 || unsure_) {
     bound(out.area, area_scale_);
     bound(out.flux, most_flux_);
   }

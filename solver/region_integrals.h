@@ -1,4 +1,4 @@
-// Area of a region of the receiver and flux onto it, by line integrals along its edge (S61)–(S63).
+// Area of a region of the receiver and flux onto it, by line integrals along its edge (S61) to (S63).
 #pragma once
 
 #include <vector>
@@ -13,7 +13,7 @@ namespace caustic::solver {
 struct RegionIntegrals {
   Estimate area;               ///< m²
   Estimate flux;               ///< W
-  std::size_t unresolved = 0;  ///< segments that could not be followed
+  std::size_t unresolved = 0;  ///< segments that could not be followed, edges that do not close
 };
 
 class RegionIntegrator {
@@ -58,6 +58,7 @@ class RegionIntegrator {
   double level_ = 0.0;
   Density sum_, errors_;
   std::size_t unresolved_ = 0, points_ = 0;
+  bool unsure_ = false;  // of the boundaries, which all regions share
 };
 
 }  // namespace caustic::solver
