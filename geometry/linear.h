@@ -22,6 +22,9 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 /// The half line (or line) x(τ) = origin + τ·direction. The direction need not be a unit vector.
+/// Twice the signed area of the triangle 0, a, b: positive if b is to the left of a.
+inline double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
+
 struct Ray {
   Point origin;
   Vec3 direction;

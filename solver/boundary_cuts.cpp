@@ -8,6 +8,8 @@
 
 namespace caustic::solver {
 
+using geometry::cross;
+
 namespace {
 
 // Newton's steps to a crossing of two images, the least sine of their angle, and the gap and the
@@ -25,8 +27,6 @@ constexpr double kBoundaryResidual = 1e-13;
 constexpr double kContactShare = 1e-6;
 // What changes its sign is zero to this share of its values at both ends.
 constexpr double kSignShare = 1e-13;
-
-double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 class BoundaryCutter {
  public:

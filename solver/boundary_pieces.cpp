@@ -6,6 +6,8 @@
 
 namespace caustic::solver {
 
+using geometry::cross;
+
 namespace {
 
 // Between vertices the total must be what gradients at both ends say, within this share of it.
@@ -21,8 +23,6 @@ constexpr double kFoldShare = 1e-4;
 // Totals that could be followed up to this near to the end of a piece, in widths of the receiver,
 // became unbounded there.
 constexpr double kFollowedEnd = 1e-4;
-
-double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 class PieceMaker {
  public:

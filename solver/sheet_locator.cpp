@@ -16,6 +16,8 @@ constexpr int kMaxNewton = 30;
 // Newton's steps are no longer than this many radii of the cell, and its end no further from it.
 constexpr double kLongestStep = 0.5;
 constexpr double kFurthest = 1.5;
+constexpr double kFurthestGuess = 2.5;
+constexpr std::size_t kSheetsOfFold = 2;
 constexpr double kLocatorRoundings = 4.0;
 // Roots nearer than this share of a cell are one.
 constexpr double kOneRoot = 1e-6;
@@ -91,7 +93,11 @@ std::vector<FieldPoint> SheetLocator::at(const Vec2& q, Evaluator& evaluate) con
     if ((q.array() < image.lo.array()).any() || (q.array() > image.hi.array()).any()) continue;
     const Cell& cell = e.cells[id];
     const FieldPoint& center = e.samples[cell.center];
+    std::size_t in_cell = 0;
     const auto take = [&](const FieldPoint& start) {
+      // What the map's derivative says of a cell without a fold is right to a share of it.
+      if (!image.folded && start.pull_back(q - start.q).norm() > kFurthestGuess * cell.radius)
+        return;
       auto f = newton_to(q, start, cell.radius, evaluate);
       if (!f || !f->lit() || !(f->flux > 0.0) || (f->x - center.x).norm() > kFurthest * cell.radius)
         return;
@@ -102,10 +108,14 @@ std::vector<FieldPoint> SheetLocator::at(const Vec2& q, Evaluator& evaluate) con
         if ((other.x - f->x).norm() <= kOneRoot * cell.radius) return;
       }
       found.push_back(std::move(*f));
+      ++in_cell;
     };
     if (center.arrives()) take(center);
     if (!image.folded && center.arrives()) continue;
-    for (const Corner& corner : cell.polygon) take(e.samples[corner.sample]);
+    for (const Corner& corner : cell.polygon) {
+      if (in_cell == kSheetsOfFold) break;
+      take(e.samples[corner.sample]);
+    }
   }
   return found;
 }

@@ -21,7 +21,7 @@ using test::floor_at;
 using test::total_of;
 
 const Point kLamp(0.1, 0.05, 1.5);
-constexpr double kHeight = 2.0;  // of the receiver above the mirror z = 0, |x|, |y| ≤ 1
+constexpr double kReceiverHeight = 2.0;  // of the receiver above the mirror z = 0, |x|, |y| ≤ 1
 
 OpticalSystem above_mirror(std::vector<SystemSurface> blockers) {
   std::vector<SystemSurface> surfaces{
@@ -30,14 +30,14 @@ OpticalSystem above_mirror(std::vector<SystemSurface> blockers) {
     blocker.name += std::to_string(surfaces.size());
     surfaces.push_back(std::move(blocker));
   }
-  return OpticalSystem::build(PointLight{kLamp, 1.0}, surfaces, floor_at({0, 0, kHeight}, 6, 6));
+  return OpticalSystem::build(PointLight{kLamp, 1.0}, surfaces, floor_at({0, 0, kReceiverHeight}, 6, 6));
 }
 
 // E by the mirrored lamp; `blocks` says whether a segment is blocked.
 template <class Blocks>
 test::TotalAt by_image_of_lamp(const Blocks& blocks) {
   return [blocks](const Vec2& q) {
-    const Point p(q.x(), q.y(), kHeight), image(kLamp.x(), kLamp.y(), -kLamp.z());
+    const Point p(q.x(), q.y(), kReceiverHeight), image(kLamp.x(), kLamp.y(), -kLamp.z());
     const Vec3 way = p - image;
     const Point x = image + (kLamp.z() / way.z()) * way;
     if (std::abs(x.x()) > 1.0 || std::abs(x.y()) > 1.0) return 0.0;
