@@ -12,11 +12,18 @@ constexpr std::size_t kBins = 64;  // a side
 // The image of a cell reaches beyond its samples by at most this share of their spread: exploration
 // refines cells whose images are not nearly what gradients say.
 constexpr double kImageMargin = 0.3;
+// A cell in which a falls to this share of its largest value may hold a fold: samples are as dense
+// as its gradients say.
+constexpr double kNearFold = 0.12;
 constexpr int kMaxNewton = 30;
+// Beyond a fold there is no root, and the gap does not close: towards one on the fold itself it
+// falls to a quarter each step, and in some steps of the greatest length by more than that too.
+constexpr int kPatience = 4;
+constexpr double kLeastProgress = 0.5;
 // Newton's steps are no longer than this many radii of the cell, and its end no further from it.
 constexpr double kLongestStep = 0.5;
 constexpr double kFurthest = 1.5;
-constexpr double kFurthestGuess = 2.5;
+constexpr double kFurthestGuess = 1.8;
 constexpr std::size_t kSheetsOfFold = 2;
 constexpr double kLocatorRoundings = 4.0;
 // Roots nearer than this share of a cell are one.
@@ -28,7 +35,7 @@ constexpr double kDomainRoundings = 100.0;
 std::optional<FieldPoint> newton_to(const Vec2& q, const FieldPoint& start, double radius,
                                     Evaluator& evaluate) {
   FieldPoint at = start;
-  double previous = geometry::kInfinity;
+  double previous = geometry::kInfinity, some_steps_ago = geometry::kInfinity;
   for (int i = 0; i < kMaxNewton; ++i) {
     if (!at.arrives() || (at.x - start.x).norm() > 2.0 * kFurthest * radius) return std::nullopt;
     const Vec2 dq = q - at.q;
@@ -37,6 +44,10 @@ std::optional<FieldPoint> newton_to(const Vec2& q, const FieldPoint& start, doub
                                                  geometry::kEpsilon * q.norm());
     if (left <= rounding || (i > 8 && left >= 0.5 * previous && left <= 1e6 * rounding)) return at;
     previous = left;
+    if (i % kPatience == kPatience - 1) {
+      if (left > kLeastProgress * some_steps_ago) return std::nullopt;
+      some_steps_ago = left;
+    }
     Vec3 step = at.pull_back(dq);
     const double length = step.norm();
     if (!std::isfinite(length)) return std::nullopt;
@@ -71,7 +82,7 @@ SheetLocator::SheetLocator(const FamilyField& field) : field_(field), bins_(kBin
     // Near zero at a corner it may change its sign between samples.
     image.folded =
         least * largest <= 0.0 || std::min(std::abs(least), std::abs(largest)) <
-                                      0.25 * std::max(std::abs(least), std::abs(largest));
+                                      kNearFold * std::max(std::abs(least), std::abs(largest));
     const Vec2 more = Vec2::Constant(kImageMargin * (image.hi - image.lo).norm());
     image.lo -= more;
     image.hi += more;
@@ -87,6 +98,7 @@ SheetLocator::SheetLocator(const FamilyField& field) : field_(field), bins_(kBin
 
 std::vector<FieldPoint> SheetLocator::at(const Vec2& q, Evaluator& evaluate) const {
   std::vector<FieldPoint> found;
+  std::vector<int> tried;
   const Exploration& e = field_.exploration;
   for (const int id : bins_[bin(q, 1) * kBins + bin(q, 0)]) {
     const Image& image = images_[id];
@@ -99,8 +111,7 @@ std::vector<FieldPoint> SheetLocator::at(const Vec2& q, Evaluator& evaluate) con
       if (!image.folded && start.pull_back(q - start.q).norm() > kFurthestGuess * cell.radius)
         return;
       auto f = newton_to(q, start, cell.radius, evaluate);
-      if (!f || !f->lit() || !(f->flux > 0.0) || (f->x - center.x).norm() > kFurthest * cell.radius)
-        return;
+      if (!f || !f->lit() || !(f->flux > 0.0)) return;
       if (field_.domain.worst(*f).value >
           kDomainRoundings * evaluate.map().rounding(f->x) * (1.0 + f->q_s.norm() + f->q_t.norm()))
         return;
@@ -114,6 +125,9 @@ std::vector<FieldPoint> SheetLocator::at(const Vec2& q, Evaluator& evaluate) con
     if (!image.folded && center.arrives()) continue;
     for (const Corner& corner : cell.polygon) {
       if (in_cell == kSheetsOfFold) break;
+      // Neighbours share corners.
+      if (std::find(tried.begin(), tried.end(), corner.sample) != tried.end()) continue;
+      tried.push_back(corner.sample);
       take(e.samples[corner.sample]);
     }
   }

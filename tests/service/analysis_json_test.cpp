@@ -15,7 +15,7 @@ using test::analysis_request;
 
 json analysis(const json& request) { return json::parse(answer_analysis(request.dump())); }
 
-std::vector<std::string> faults_of(const json& request) {
+std::vector<std::string> pointers_of_faults(const json& request) {
   std::vector<std::string> pointers;
   try {
     answer_analysis(request.dump());
@@ -92,9 +92,10 @@ TEST(AnalysisCall, names_every_fault) {
   request["direct"] = true;
   request["measure"] = "total";
   test::surface(request)["shape"]["radius"] = -1;
-  EXPECT_EQ(faults_of(request), (Pointers{"/scene/surfaces/0/shape/radius", "/families/0/0",
-                                          "/levels/1", "/levels/2", "/direct", "/measure"}));
-  EXPECT_EQ(faults_of(json::object()), Pointers{"/scene"});
+  EXPECT_EQ(pointers_of_faults(request),
+            (Pointers{"/scene/surfaces/0/shape/radius", "/families/0/0", "/levels/1", "/levels/2",
+                      "/direct", "/measure"}));
+  EXPECT_EQ(pointers_of_faults(json::object()), Pointers{"/scene"});
 }
 
 TEST(AnalysisCall, says_what_this_version_lacks) {
@@ -107,7 +108,7 @@ TEST(AnalysisCall, says_what_this_version_lacks) {
       {{"type", "box"}, {"min", {-1, -1, -1}}, {"max", {1, 1, 0.3}}}};
   scene["receiver"]["origin"] = {0, 0, 0.6};
   scene["receiver"]["size"] = {0.4, 0.4};
-  EXPECT_EQ(faults_of(request), Pointers{"/scene"});
+  EXPECT_EQ(pointers_of_faults(request), Pointers{"/scene"});
 }
 
 TEST(AnalysisCall, stops_when_the_service_does) {
