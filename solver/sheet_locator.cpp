@@ -23,7 +23,7 @@ constexpr double kLeastProgress = 0.5;
 // Newton's steps are no longer than this many radii of the cell, and its end no further from it.
 constexpr double kLongestStep = 0.5;
 constexpr double kFurthest = 1.5;
-constexpr double kFurthestGuess = 1.8;
+constexpr double kFurthestGuess = 2.5;
 constexpr std::size_t kSheetsOfFold = 2;
 constexpr double kLocatorRoundings = 4.0;
 // Roots nearer than this share of a cell are one.
@@ -42,10 +42,11 @@ std::optional<FieldPoint> newton_to(const Vec2& q, const FieldPoint& start, doub
     const double left = dq.norm(), stretch = std::sqrt(at.q_s.squaredNorm() + at.q_t.squaredNorm());
     const double rounding = kLocatorRoundings * (stretch * evaluate.map().rounding(at.x) +
                                                  geometry::kEpsilon * q.norm());
-    if (left <= rounding || (i > 8 && left >= 0.5 * previous && left <= 1e6 * rounding)) return at;
+    const double nearly = 1e6 * rounding;  // where rounding inside of q may be the limit
+    if (left <= rounding || (i > 8 && left >= 0.5 * previous && left <= nearly)) return at;
     previous = left;
     if (i % kPatience == kPatience - 1) {
-      if (left > kLeastProgress * some_steps_ago) return std::nullopt;
+      if (left > kLeastProgress * some_steps_ago && left > nearly) return std::nullopt;
       some_steps_ago = left;
     }
     Vec3 step = at.pull_back(dq);
