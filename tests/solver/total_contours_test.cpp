@@ -8,6 +8,7 @@
 #include "geometry/expression/field.h"
 #include "solver/contours.h"
 #include "solver/point_irradiance.h"
+#include "tests/support/contour_checks.h"
 #include "tests/support/scenes.h"
 #include "tests/support/total_checks.h"
 
@@ -140,6 +141,71 @@ TEST(TotalContours, OfOneDimensionalWaterAreStrips) {
       ends[side] = bright;
     }
     EXPECT_NEAR(area_above(result, level), ends[1] - ends[0], 1e-8) << level;
+  }
+}
+
+TEST(TotalContours, OfWavesInTwoDirections) {
+  const auto surface = geometry::make_expression(
+      geometry::read_expression("z-0.1*sin(6.283185307179586*x)-0.06*cos(6.283185307179586*y)",
+                                1.0),
+      {Point(-1, -1, -0.2), Point(2, 2, 0.2)}, {});
+  auto water = test::mirror(surface.surface);
+  water.optics = {.kind = Optics::Kind::refract, .index_outside = 1.0, .index_inside = 1.33};
+  const auto system = OpticalSystem::build(CollimatedLight{{0, 0, -1}, 1.0}, {water},
+                                           floor_at({0.45, 0.37, -1.6}, 1, 1));
+  const auto result = total_of(system, {0.8, 1.5, 3.0}, 1e-4);
+  EXPECT_EQ(result.undecided_cells, 0u);
+  expect_closed_rings(result, 1.0);
+  expect_true_of_the_meter(system, result);
+  expect_areas(system, result, 1e-4);
+}
+
+OpticalSystem tilted_dish() {
+  return one_mirror(CollimatedLight{Vec3(0.3, 0.1, -1).normalized(), 1.0},
+                    geometry::make_sphere({0, 0, 2}, 2.0), floor_at({0.3, 0.1, 1.0}, 0.6, 0.6),
+                    {geometry::half_space_aperture({0, 0, 0.25}, {0, 0, 1})});
+}
+
+TEST(TotalContours, OfATiltedDish) {
+  const auto system = tilted_dish();
+  const auto result = total_of(system, {2.0, 8.0, 40.0}, 6e-5);
+  EXPECT_EQ(result.undecided_cells, 0u);
+  expect_closed_rings(result, 0.6);
+  expect_true_of_the_meter(system, result);
+  expect_areas(system, result, 6e-5);
+}
+
+// Largest distance of `curves` from the polylines of `truth`, at vertices and in the middle
+// between.
+double farthest(const ContourResult& curves, const ContourResult& truth, double level) {
+  double most = 0.0;
+  for (const Curve& c : curves.curves) {
+    if (c.level != level) continue;
+    for (std::size_t i = 0; i + 1 < c.vertices.size(); ++i) {
+      for (const double w : {0.0, 0.5}) {
+        const Vec2 q = (1.0 - w) * c.vertices[i].uv + w * c.vertices[i + 1].uv;
+        double least = geometry::kInfinity;
+        for (const Curve& other : truth.curves) {
+          if (other.level == level) least = std::min(least, test::distance_to(other, q));
+        }
+        most = std::max(most, least);
+      }
+    }
+  }
+  return most;
+}
+
+// Both ways, cusps, caustics and edges included.
+TEST(TotalContours, KeepToTheChordEverywhere) {
+  for (const auto& [system, levels] : {std::pair{nephroid_ring(), std::vector{1.0, 4.0}},
+                                       std::pair{tilted_dish(), std::vector{2.0, 40.0}}}) {
+    const double chord = 1e-3 * system.receiver().width();
+    const auto coarse = total_of(system, levels, chord),
+               fine = total_of(system, levels, 1e-2 * chord);
+    for (const double level : levels) {
+      EXPECT_LE(farthest(coarse, fine, level), 1.02 * chord) << level;
+      EXPECT_LE(farthest(fine, coarse, level), 1.02 * chord) << level;
+    }
   }
 }
 
