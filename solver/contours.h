@@ -49,6 +49,7 @@ struct ContourRequest {
   bool sheets_instead = false;  ///< trace sheets, with a warning, where totals are not supported
   bool isolux = true;
   bool caustic = true;
+  bool boundaries = false;             ///< of sheets; with the total only
   double irradiance_tolerance = 1e-9;  ///< |E/level − 1| at every vertex
   double chord_tolerance = 0.0;        ///< m on the receiver; 0 means 1e-4 × its larger side
   double time_limit = 5.0;             ///< s
@@ -67,7 +68,13 @@ struct ContourRequest {
   std::set<std::string> no_skip;
 };
 
-enum class CurveKind : std::uint8_t { isolux = 0, caustic = 1, jump = 2, receiver_edge = 3 };
+enum class CurveKind : std::uint8_t {
+  isolux = 0,
+  caustic = 1,
+  jump = 2,
+  receiver_edge = 3,
+  boundary = 4  ///< across which the number of sheets changes, with the totals on both sides
+};
 
 enum class Ending : std::uint8_t {
   silhouette,

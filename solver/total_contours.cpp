@@ -19,6 +19,20 @@ struct Drawn {
   RingArc arc;
 };
 
+// Lengths, ends and the largest residual.
+void measure(Curve& curve) {
+  if (!curve.closed) curve.ends = {Ending::node, Ending::node};
+  auto& vertices = curve.vertices;
+  double length = 0.0;
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    if (i > 0) length += (vertices[i].uv - vertices[i - 1].uv).norm();
+    vertices[i].arc_length = length;
+    curve.max_residual = std::max(curve.max_residual, vertices[i].residual);
+  }
+  if (curve.closed) length += (vertices.front().uv - vertices.back().uv).norm();
+  curve.length = length;
+}
+
 class TotalTracer {
  public:
   TotalTracer(const OpticalSystem& system, const std::vector<const FamilyField*>& fields,
@@ -36,6 +50,10 @@ class TotalTracer {
     if (observer_) observer_->boundaries(carrier_, curves_, pieces_);
   }
 
+  void keep_boundaries() {
+    for (const BoundaryPiece& piece : pieces_.pieces) take(piece);
+  }
+
   TotalContours run(const std::vector<double>& levels) {
     int rings = 0;
     for (const double level : levels) {
@@ -51,6 +69,8 @@ class TotalTracer {
   bool hidden_on(const LevelArc& arc);
   void take(const JumpArc& jump, double level, std::vector<Drawn>& drawn);
   void take(Curve curve, std::vector<Drawn>& drawn);
+  void take(const BoundaryPiece& piece);
+  CurveVertex vertex(BoundaryKind kind, const BoundaryVertex& at);
   CurveVertex vertex(const Vec2& q, const Branches& branches);
 
   const OpticalSystem& system_;
@@ -78,20 +98,36 @@ CurveVertex TotalTracer::vertex(const Vec2& q, const Branches& branches) {
   return v;
 }
 
+// With the totals on both sides.
+CurveVertex TotalTracer::vertex(BoundaryKind kind, const BoundaryVertex& at) {
+  const auto bounded = [](double E) { return std::isfinite(E) ? E : -1.0; };
+  CurveVertex v = vertex(at.at.q, at.others);
+  if (kind != BoundaryKind::receiver) v.x = at.at.own.x;
+  v.irradiance = -1.0;
+  v.dark = bounded(at.outside);
+  v.bright = bounded(at.inside);
+  return v;
+}
+
+void TotalTracer::take(const BoundaryPiece& piece) {
+  const BoundaryCurve& along = curves_[piece.curve];
+  Curve curve;
+  curve.kind = CurveKind::boundary;
+  curve.boundary = along.kind;
+  curve.family_id = along.field < 0 ? -1 : carrier_.field(along.field).piece.family;
+  curve.closed = piece.closed;
+  for (const BoundaryVertex& at : piece.vertices) curve.vertices.push_back(vertex(along.kind, at));
+  if (piece.closed) curve.vertices.pop_back();  // the first again
+  if (curve.vertices.size() < 2) return;
+  measure(curve);
+  result_.boundaries.push_back(std::move(curve));
+}
+
 void TotalTracer::take(Curve curve, std::vector<Drawn>& drawn) {
   curve.family_id = -1;
-  if (!curve.closed) curve.ends = {Ending::node, Ending::node};
-  auto& vertices = curve.vertices;
-  double length = 0.0;
+  measure(curve);
   std::vector<Vec2> line;
-  for (std::size_t i = 0; i < vertices.size(); ++i) {
-    if (i > 0) length += (vertices[i].uv - vertices[i - 1].uv).norm();
-    vertices[i].arc_length = length;
-    curve.max_residual = std::max(curve.max_residual, vertices[i].residual);
-    line.push_back(vertices[i].uv);
-  }
-  if (curve.closed) length += (vertices.front().uv - vertices.back().uv).norm();
-  curve.length = length;
+  for (const CurveVertex& v : curve.vertices) line.push_back(v.uv);
   grid_.add(line, curve.closed, chord_);
   const std::size_t n = line.size();
   RingArc arc{line.front(), line.back(), (line[1] - line[0]).normalized(),
@@ -137,14 +173,9 @@ void TotalTracer::take(const JumpArc& jump, double level, std::vector<Drawn>& dr
   curve.level = level;
   curve.boundary = jump.kind;
   curve.closed = jump.closed;
-  const auto bounded = [](double E) { return std::isfinite(E) ? E : -1.0; };
   for (const BoundaryVertex& at : jump.vertices) {
-    CurveVertex v = vertex(at.at.q, at.others);
-    if (jump.kind != BoundaryKind::receiver) v.x = at.at.own.x;
-    v.irradiance = level;
-    v.dark = bounded(at.outside);
-    v.bright = bounded(at.inside);
-    curve.vertices.push_back(v);
+    curve.vertices.push_back(vertex(jump.kind, at));
+    curve.vertices.back().irradiance = level;
   }
   take(std::move(curve), drawn);
 }
@@ -199,8 +230,10 @@ std::optional<std::string> total_unsupported(const std::vector<const FamilyField
 TotalContours trace_total(const OpticalSystem& system,
                           const std::vector<const FamilyField*>& fields,
                           const std::vector<double>& levels, double chord, double residual,
-                          Budget& budget, TotalObserver* observer) {
-  return TotalTracer(system, fields, chord, residual, budget, observer).run(levels);
+                          bool boundaries, Budget& budget, TotalObserver* observer) {
+  TotalTracer tracer(system, fields, chord, residual, budget, observer);
+  if (boundaries) tracer.keep_boundaries();
+  return tracer.run(levels);
 }
 
 }  // namespace caustic::solver

@@ -17,6 +17,8 @@ std::optional<std::string> total_unsupported(const std::vector<const FamilyField
 
 struct TotalContours {
   std::vector<Curve> curves;  ///< rings numbered, not yet sorted
+  std::vector<Curve>
+      boundaries;  ///< if wanted: pieces along which the sheets on either side are the same
   std::size_t unresolved =
       0;  ///< boundary pieces, arcs and rings that could not be followed or closed
 };
@@ -40,6 +42,6 @@ class TotalObserver {
 TotalContours trace_total(const OpticalSystem& system,
                           const std::vector<const FamilyField*>& fields,
                           const std::vector<double>& levels, double chord, double residual,
-                          Budget& budget, TotalObserver* observer = nullptr);
+                          bool boundaries, Budget& budget, TotalObserver* observer = nullptr);
 
 }  // namespace caustic::solver

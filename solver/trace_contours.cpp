@@ -374,10 +374,13 @@ std::vector<const FamilyField*> Run::fields_of_total() const {
 
 void Run::add_total() {
   const auto fields = fields_of_total();
-  if (fields.empty() || (result_.levels.empty() && !request_.observer)) return;
+  const bool wanted = !result_.levels.empty() || request_.boundaries || request_.observer;
+  if (fields.empty() || !wanted) return;
   TotalContours total =
-      trace_total(system_, fields, result_.levels, chord_, residual_, budget_, request_.observer);
+      trace_total(system_, fields, result_.levels, chord_, residual_,
+                                    request_.boundaries, budget_, request_.observer);
   std::move(total.curves.begin(), total.curves.end(), std::back_inserter(result_.curves));
+  std::move(total.boundaries.begin(), total.boundaries.end(), std::back_inserter(result_.curves));
   if (total.unresolved > 0 && !budget_.exhausted()) {
     result_.undecided_cells += total.unresolved;
     warn("unresolved", "of the total irradiance " + std::to_string(total.unresolved) +
@@ -401,6 +404,8 @@ const char* to_string(CurveKind kind) {
       return "jump";
     case CurveKind::receiver_edge:
       return "receiver_edge";
+    case CurveKind::boundary:
+      return "boundary";
   }
   return "isolux";
 }

@@ -75,12 +75,13 @@ ordered_json families_json(const ContourCall& call, const ContourResult& result)
 }
 
 ordered_json curve_json(const Curve& curve, std::size_t id, double metres, bool total) {
-  const bool caustic = curve.kind == solver::CurveKind::caustic;
+  const bool level =
+      curve.kind != solver::CurveKind::caustic && curve.kind != solver::CurveKind::boundary;
   auto ends = ordered_json::array();
   for (solver::Ending end : curve.ends) ends.push_back(solver::to_string(end));
   ordered_json out{{"curve_id", id},
                    {"kind", solver::to_string(curve.kind)},
-                   {"level", caustic ? ordered_json() : ordered_json(curve.level)},
+                   {"level", level ? ordered_json(curve.level) : ordered_json()},
                    {"measure", total ? "total" : "sheet"},
                    {"family_id", curve.family_id},
                    {"parity", curve.parity},

@@ -29,7 +29,11 @@ void read_include(ObjectReader& root, ContourRequest& request) {
       request.isolux = true;
     else if (name == "caustic")
       request.caustic = true;
-    else if (name == "critical_points" || name == "boundaries")
+    else if (name == "boundaries" && request.measure == solver::Measure::total)
+      request.boundaries = true;
+    else if (name == "boundaries")
+      faults.add(word.pointer, "belongs to the total: see measure");
+    else if (name == "critical_points")
       faults.not_supported(word.pointer, name);
     else if (word.value->is_string())
       faults.add(word.pointer, "must be one of: isolux, caustic, critical_points, boundaries");
@@ -37,6 +41,7 @@ void read_include(ObjectReader& root, ContourRequest& request) {
   if (!place.value->is_array()) return;
   if (place.value->empty()) faults.add(place.pointer, "needs at least one kind of curve");
   *place.value = json::array();  // a set: neither order nor repetition is part of the question
+  if (request.boundaries) place.value->push_back("boundaries");
   if (request.caustic) place.value->push_back("caustic");
   if (request.isolux) place.value->push_back("isolux");
 }

@@ -11,7 +11,7 @@ using nlohmann::ordered_json;
 std::string properties(const Polyline& curve, std::size_t id, bool total) {
   ordered_json out{{"curve_id", id},
                    {"kind", word(curve.kind)},
-                   {"level", curve.is_caustic() ? ordered_json() : ordered_json(curve.level)},
+                   {"level", curve.has_level() ? ordered_json(curve.level) : ordered_json()},
                    {"closed", curve.closed != 0},
                    {"family_id", curve.family_id},
                    {"parity", curve.parity},

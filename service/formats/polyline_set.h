@@ -23,7 +23,13 @@ struct PolylineVertex {
 };
 static_assert(sizeof(PolylineVertex) == 16 * sizeof(double));
 
-enum class PolylineKind : std::int32_t { isolux = 0, caustic = 1, jump = 2, receiver_edge = 3 };
+enum class PolylineKind : std::int32_t {
+  isolux = 0,
+  caustic = 1,
+  jump = 2,
+  receiver_edge = 3,
+  boundary = 4
+};
 
 struct Polyline {
   PolylineKind kind = PolylineKind::isolux;
@@ -33,13 +39,15 @@ struct Polyline {
   /// Of totals: what a jump runs along (as numbered in the contract), and its place in a ring.
   std::int32_t boundary = 0, ring_id = -1, ring_order = -1;
   std::int32_t unused = 0;  ///< no gap in the record
-  double level = 0.0;       ///< −1 for caustics
+  double level = 0.0;       ///< −1 for caustics and boundaries
   double length = 0.0;
   std::uint64_t first = 0, count = 0;  ///< its vertices in the set
 
   /// Vertices of a file: a closed curve comes back to its first.
   std::uint64_t file_vertices() const { return count + (closed ? 1 : 0); }
   bool is_caustic() const { return kind == PolylineKind::caustic; }
+  bool is_boundary() const { return kind == PolylineKind::boundary; }
+  bool has_level() const { return !is_caustic() && !is_boundary(); }
   bool is_jump() const { return kind == PolylineKind::jump || kind == PolylineKind::receiver_edge; }
 };
 
@@ -60,7 +68,7 @@ struct PolylineSet {
 
 /// The words of JSON, GeoJSON and CSV.
 inline const char* word(PolylineKind kind) {
-  constexpr const char* kWords[] = {"isolux", "caustic", "jump", "receiver_edge"};
+  constexpr const char* kWords[] = {"isolux", "caustic", "jump", "receiver_edge", "boundary"};
   return kWords[static_cast<int>(kind)];
 }
 

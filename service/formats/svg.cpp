@@ -14,6 +14,7 @@ namespace {
 constexpr double kFontSize = 12;
 constexpr int kMostLegendRows = 24;
 constexpr const char* kCausticColor = "#b3261e";
+constexpr const char* kBoundaryColor = "#777777";
 
 constexpr const char* kStyle =
     "<style>text{font-family:'DejaVu Sans',Verdana,Helvetica,sans-serif;font-size:12px;fill:#222}"
@@ -21,7 +22,8 @@ constexpr const char* kStyle =
     ".grid{stroke:#e6e8eb;stroke-width:1}.tick{stroke:#444;stroke-width:1}"
     ".frame{fill:none;stroke:#444;stroke-width:1.2}"
     ".curve{fill:none;stroke-width:1.7;stroke-linejoin:round;stroke-linecap:round}"
-    ".caustic{stroke-dasharray:7 4;stroke-linecap:butt}.jump{stroke-width:0.8}"
+    ".caustic{stroke-dasharray:7 "
+    "4;stroke-linecap:butt}.jump{stroke-width:0.8}.boundary{stroke-width:0.6;stroke-dasharray:2 3}"
     ".label{font-size:11px;text-anchor:middle;paint-order:stroke;stroke:#fff;stroke-width:4px;"
     "stroke-linejoin:round}</style>\n";
 
@@ -63,16 +65,18 @@ std::string printed_unit(const PolylineSet& set) {
 std::vector<double> levels_of(const PolylineSet& set) {
   std::set<double> levels;
   for (const Polyline& curve : set.curves)
-    if (!curve.is_caustic()) levels.insert(curve.level);
+    if (curve.has_level()) levels.insert(curve.level);
   return {levels.begin(), levels.end()};
 }
 
 const char* style_of(const Polyline& curve) {
+  if (curve.is_boundary()) return "curve boundary";
   return curve.is_caustic() ? "curve caustic" : curve.is_jump() ? "curve jump" : "curve";
 }
 
 std::string color_of(const Polyline& curve, const std::vector<double>& levels) {
   if (curve.is_caustic()) return kCausticColor;
+  if (curve.is_boundary()) return kBoundaryColor;
   const double low = std::log(levels.front()), high = std::log(levels.back());
   return level_color(high > low ? (std::log(curve.level) - low) / (high - low) : 0.3);
 }
@@ -127,7 +131,7 @@ std::string curves(const PolylineSet& set, const SvgPlot& plot, const std::vecto
     const Polyline& curve = set.curves[id];
     const std::vector<Pixel> pixels = pixels_of(set, curve, plot);
     paths += path(curve, id, pixels, color_of(curve, levels));
-    if (curve.is_caustic() || curve.is_jump()) continue;
+    if (!curve.has_level() || curve.is_jump()) continue;
     const std::string what = label_text(curve.level);
     for (const SvgLabel& label :
          placer.place(pixels, 0.62 * kFontSize * static_cast<double>(what.size())))

@@ -57,6 +57,16 @@ TEST(ContourJson, fills_the_defaults_in) {
       R"("type":"sphere"}}]})");
 }
 
+TEST(ContourJson, boundaries_come_with_the_total) {
+  json request = ball_request();
+  request["include"] = {"boundaries"};
+  const ContourCall call = read_contour_call(request.dump());
+  EXPECT_TRUE(call.request.boundaries);
+  EXPECT_FALSE(call.request.isolux);
+  request["measure"] = "sheet";
+  EXPECT_EQ(pointers_of(request), Pointers{"/include/0"});
+}
+
 TEST(ContourJson, identity_is_what_is_asked_not_how) {
   const json plain = ball_request();
   const std::string id = id_of(plain);

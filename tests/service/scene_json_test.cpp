@@ -149,7 +149,6 @@ TEST(SceneJson, says_what_this_version_lacks) {
       {"/direct", "true"},
       {"/certify", "true"},
       {"/include", R"(["isolux","critical_points"])"},
-      {"/include", R"(["boundaries"])"},
   };
   for (const auto& [pointer, value] : cases) {
     json request = ball_request();

@@ -107,6 +107,34 @@ TEST(TotalContours, OfTheNephroidRing) {
   expect_areas(system, result, 1.2e-4);
 }
 
+// Without levels, the edges of all sheets with what a meter reads next to them.
+TEST(TotalContours, KnowWhatLiesOnBothSidesOfBoundaries) {
+  const auto system = two_plates();
+  ContourRequest request;
+  request.measure = Measure::total;
+  request.isolux = request.caustic = false;
+  request.boundaries = true;
+  const auto result = trace_contours(system, request);
+  EXPECT_EQ(result.undecided_cells, 0u);
+  LightMeter meter(system, {}, false);
+  std::map<BoundaryKind, double> lengths;
+  for (const Curve& c : result.curves) {
+    EXPECT_EQ(c.kind, CurveKind::boundary);
+    EXPECT_EQ(c.level, -1.0);
+    EXPECT_EQ(c.family_id < 0, c.boundary == BoundaryKind::receiver);
+    lengths[c.boundary] += c.length;
+    if (c.boundary == BoundaryKind::receiver) continue;
+    const auto &a = c.vertices[c.vertices.size() / 2 - 1], &b = c.vertices[c.vertices.size() / 2];
+    const Vec2 along = (b.uv - a.uv).normalized(), left = 3e-6 * Vec2(-along.y(), along.x());
+    EXPECT_NEAR(meter.at(b.uv + left).E, b.bright, 1e-5);
+    EXPECT_NEAR(meter.at(b.uv - left).E, b.dark, 1e-5);
+    EXPECT_GT(b.bright, b.dark);
+  }
+  EXPECT_NEAR(lengths[BoundaryKind::receiver], 12.0, 1e-9);
+  EXPECT_GT(lengths[BoundaryKind::aperture], 4.0);
+  EXPECT_EQ(lengths.size(), 2u);
+}
+
 TEST(TotalContours, OfOverlappingPatches) {
   const auto system = two_plates();
   const auto result = total_of(system, {0.05, 0.09, 0.12}, 3e-4);
