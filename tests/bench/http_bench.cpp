@@ -20,7 +20,9 @@ using nlohmann::json;
 class Client {
  public:
   explicit Client(std::string_view example)
-      : body_(json::parse(service::find_example(example)->body)) {}
+      : body_(json::parse(service::find_example(example)->body)) {
+    body_["measure"] = "sheet";
+  }
 
   /// Moves the light by a hair, and asks for other files than ever.
   std::string next_body(double chord = 0.0) {

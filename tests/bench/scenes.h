@@ -14,9 +14,10 @@ struct SceneRequest {
   solver::ContourRequest request;
 };
 
-/// One of service/examples/, as the service would ask the solver.
+/// One of service/examples/, sheet by sheet.
 inline SceneRequest example_scene(std::string_view name) {
   service::ContourCall call = service::read_contour_call(service::find_example(name)->body);
+  call.request.measure = solver::Measure::sheet;
   return {std::move(call.system), std::move(call.request)};
 }
 
