@@ -69,12 +69,13 @@ bool coincides_with_domain(const FamilyField& field, const BoundaryCurve& curve)
   return false;
 }
 
-std::vector<BoundaryCurve> curves_along(SheetCarrier& carrier, int field, BoundaryKind kind,
-                                        const LevelFunction& function, std::vector<Seed> seeds,
-                                        Budget& budget, double chord, double residual) {
-  std::vector<BoundaryCurve> curves;
+BoundaryCurves curves_along(SheetCarrier& carrier, int field, BoundaryKind kind,
+                            const LevelFunction& function, std::vector<Seed> seeds, Budget& budget,
+                            double chord, double residual) {
+  BoundaryCurves out;
   ContourTask task{&carrier.field(field), function, -1.0, std::move(seeds), false, {}, 0};
   run(task, budget, chord, residual);
+  out.unresolved += task.lost_seeds;
   for (const Trace& trace : task.traces) {
     BoundaryCurve curve{kind, field, function.boundary, trace.closed, {}, {}};
     for (std::size_t i = 0; i < trace.vertices.size(); ++i) {
@@ -82,9 +83,10 @@ std::vector<BoundaryCurve> curves_along(SheetCarrier& carrier, int field, Bounda
       curve.own.push_back(carrier.evaluator(field)(trace.vertices[i].x, near));
       curve.q.push_back(curve.own.back().q);
     }
-    curves.push_back(std::move(curve));
+    out.unresolved += trace.stalled;
+    out.curves.push_back(std::move(curve));
   }
-  return curves;
+  return out;
 }
 
 // A caustic's own sheets are on both of its sides, so the place itself tells.
@@ -107,15 +109,17 @@ Opening opening_at(SheetCarrier& carrier, const BoundaryCurve& curve, const Fiel
   return {ahead != beside(-1.0), ahead ? inside : Vec3(-inside)};
 }
 
-std::vector<BoundaryCurve> trace_boundaries(SheetCarrier& carrier, Budget& budget, double chord,
-                                            double residual) {
-  std::vector<BoundaryCurve> curves;
+BoundaryCurves trace_boundaries(SheetCarrier& carrier, Budget& budget, double chord,
+                                double residual) {
+  BoundaryCurves out;
   for (int i = 0; i < carrier.field_count(); ++i) {
     const FamilyField& field = carrier.field(i);
     std::vector<BoundaryCurve> own;
     const auto trace = [&](LevelFunction function, BoundaryKind kind, std::vector<Seed> seeds) {
-      for (BoundaryCurve& curve :
-           curves_along(carrier, i, kind, function, std::move(seeds), budget, chord, residual)) {
+      BoundaryCurves found =
+          curves_along(carrier, i, kind, function, std::move(seeds), budget, chord, residual);
+      out.unresolved += found.unresolved;
+      for (BoundaryCurve& curve : found.curves) {
         if (!coincides_with_domain(field, curve)) own.push_back(std::move(curve));
       }
     };
@@ -128,8 +132,9 @@ std::vector<BoundaryCurve> trace_boundaries(SheetCarrier& carrier, Budget& budge
       if (kind == BoundaryKind::receiver) continue;
       trace(LevelFunction::boundary_of(field.domain, b), kind, seeds_on(field, b));
     }
-    if (field.visibility) add_hidden_edges(carrier, i, own, budget, chord, residual);
-    std::move(own.begin(), own.end(), std::back_inserter(curves));
+    if (field.visibility)
+      out.unresolved += add_hidden_edges(carrier, i, own, budget, chord, residual);
+    std::move(own.begin(), own.end(), std::back_inserter(out.curves));
   }
   const Vec2 half = carrier.system().receiver().half;
   const Vec2 corners[4] = {
@@ -140,9 +145,9 @@ std::vector<BoundaryCurve> trace_boundaries(SheetCarrier& carrier, Budget& budge
       const double w = j / double(kEdgeVertices);
       edge.q.push_back((1.0 - w) * corners[k] + w * corners[(k + 1) % 4]);
     }
-    curves.push_back(std::move(edge));
+    out.curves.push_back(std::move(edge));
   }
-  return curves;
+  return out;
 }
 
 }  // namespace caustic::solver

@@ -37,14 +37,19 @@ BoundaryKind kind_of(Ending ending);
 /// True if all of the curve lies on a boundary of the domain before its own number: boundaries may
 /// coincide, such as the rim of an aperture in the receiver's plane with that plane.
 bool coincides_with_domain(const FamilyField& field, const BoundaryCurve& curve);
+struct BoundaryCurves {
+  std::vector<BoundaryCurve> curves;
+  std::size_t unresolved = 0;  ///< places where a boundary could not be found or followed
+};
+
 /// The traces of one function.
-std::vector<BoundaryCurve> curves_along(SheetCarrier& carrier, int field, BoundaryKind kind,
-                                        const LevelFunction& function, std::vector<Seed> seeds,
-                                        Budget& budget, double chord, double residual);
+BoundaryCurves curves_along(SheetCarrier& carrier, int field, BoundaryKind kind,
+                            const LevelFunction& function, std::vector<Seed> seeds, Budget& budget,
+                            double chord, double residual);
 
 /// Polylines within `chord` (m) of the curves, complete as far as the exploration of the fields is.
 /// The receiver's four edges come last, counterclockwise.
-std::vector<BoundaryCurve> trace_boundaries(SheetCarrier& carrier, Budget& budget, double chord,
-                                            double residual);
+BoundaryCurves trace_boundaries(SheetCarrier& carrier, Budget& budget, double chord,
+                                double residual);
 
 }  // namespace caustic::solver

@@ -39,6 +39,7 @@ struct Bracket {
 struct Walked {
   BoundaryCurve curve;
   std::vector<char> real;
+  bool of_domain = false;  // it lies on an edge of the domain, which stands for it
   std::size_t segments() const { return curve.own.size() - !curve.closed; }
   std::size_t next(std::size_t i) const { return (i + 1) % curve.own.size(); }
   /// The segment whose ends are joined by way of x with the least detour, m.
@@ -71,13 +72,16 @@ class HiddenEdgeFinder {
         residual_(residual),
         diameter_(carrier.system().diameter()) {}
 
-  void run() {
+  std::size_t run() {
     add_brackets_of_cells();
-    for (const BoundaryCurve& curve : curves_) walk({curve, {}});
+    for (const BoundaryCurve& curve : curves_) walk({curve, {}, false});
     for (std::size_t b = 0; b < brackets_.size() && !budget_.exhausted(); ++b) {
       take(Bracket(brackets_[b]));
     }
-    for (const Walked& edge : edges_) keep_real(edge);
+    for (const Walked& edge : edges_) {
+      if (!edge.of_domain) keep_real(edge);
+    }
+    return unexplained_;
   }
 
  private:
@@ -106,6 +110,7 @@ class HiddenEdgeFinder {
   Budget& budget_;
   double chord_, residual_, diameter_;
   std::vector<Bracket> brackets_;
+  std::size_t unexplained_ = 0;  // brackets of which no surface's edge was found
 };
 
 void HiddenEdgeFinder::add_brackets_of_cells() {
@@ -157,6 +162,7 @@ void HiddenEdgeFinder::add_brackets_around(const FieldPoint& corner) {
 
 // Corners are where along a curve it begins or ceases to bound what is seen.
 Walked HiddenEdgeFinder::walk(Walked edge) {
+  if (edge.of_domain) return edge;
   for (const FieldPoint& f : edge.curve.own)
     edge.real.push_back(opening_at(carrier_, edge.curve, f).real);
   for (std::size_t i = 0; i < edge.segments() && !budget_.exhausted(); ++i) {
@@ -181,7 +187,8 @@ void HiddenEdgeFinder::find_corner(const BoundaryCurve& curve, FieldPoint a, Fie
 // Runs of vertices at which the edge is real, with as much more at either end that corners are on
 // it.
 void HiddenEdgeFinder::keep_real(const Walked& edge) {
-  const auto& [curve, real] = edge;
+  const BoundaryCurve& curve = edge.curve;
+  const std::vector<char>& real = edge.real;
   const std::size_t n = real.size();
   std::vector<char> kept = real;
   for (std::size_t i = 0; i < n; ++i) {
@@ -232,7 +239,7 @@ bool HiddenEdgeFinder::known(const Bracket& bracket) {
     if (detour > kDetour * chord + 2.0 * length) continue;
     const HiddenEdge& h = *edge.curve.edge;
     if (h.value(bracket.visible) * h.value(bracket.hidden) > 0.0) continue;
-    if (!edge.real[i] && !edge.real[edge.next(i)]) add_vertex(edge, bracket);
+    if (!edge.of_domain && !edge.real[i] && !edge.real[edge.next(i)]) add_vertex(edge, bracket);
     return true;
   }
   return false;
@@ -299,11 +306,13 @@ bool HiddenEdgeFinder::trace(const std::shared_ptr<HiddenEdge>& edge, const Brac
   BoundaryCurve probe{kind_of(edge->ending()), index_, -1, false, {}, {}, edge};
   if (!opening_at(carrier_, probe, *at).real) return false;
   if (known(*edge, *at)) return true;
+  // Where it hides nothing it may end anyhow.
   auto found = curves_along(carrier_, index_, kind_of(edge->ending()), function,
                             {Seed{0, *at, bracket.reach}}, budget_, chord_, residual_);
-  for (BoundaryCurve& curve : found) {
+  for (BoundaryCurve& curve : found.curves) {
     curve.edge = edge;
-    if (!coincides_with_domain(field_, curve)) edges_.push_back(walk({std::move(curve), {}}));
+    const bool of_domain = coincides_with_domain(field_, curve);
+    edges_.push_back(walk({std::move(curve), {}, of_domain}));
   }
   return true;
 }
@@ -317,13 +326,14 @@ void HiddenEdgeFinder::take(Bracket bracket) {
       if (trace(edge, bracket)) return;
     }
   }
+  ++unexplained_;
 }
 
 }  // namespace
 
-void add_hidden_edges(SheetCarrier& carrier, int field, std::vector<BoundaryCurve>& curves,
-                      Budget& budget, double chord, double residual) {
-  HiddenEdgeFinder(carrier, field, curves, budget, chord, residual).run();
+std::size_t add_hidden_edges(SheetCarrier& carrier, int field, std::vector<BoundaryCurve>& curves,
+                             Budget& budget, double chord, double residual) {
+  return HiddenEdgeFinder(carrier, field, curves, budget, chord, residual).run();
 }
 
 }  // namespace caustic::solver

@@ -10,8 +10,9 @@ namespace caustic::solver {
 
 /// Appends the edges to `curves`, which holds the caustics and the boundaries of the field's
 /// domain; each from one vertex before it begins to bound what is seen to one after it ceases to.
-/// The field must have a visibility.
-void add_hidden_edges(SheetCarrier& carrier, int field, std::vector<BoundaryCurve>& curves,
-                      Budget& budget, double chord, double residual);
+/// The field must have a visibility. Returns how many changes of visibility no surface's edge
+/// explains.
+std::size_t add_hidden_edges(SheetCarrier& carrier, int field, std::vector<BoundaryCurve>& curves,
+                             Budget& budget, double chord, double residual);
 
 }  // namespace caustic::solver

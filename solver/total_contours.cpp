@@ -43,10 +43,10 @@ class TotalTracer {
         carrier_(system, fields, budget),
         chord_(chord),
         residual_(residual),
-        curves_(trace_boundaries(carrier_, budget, chord, residual)),
+        curves_(trace(budget)),
         pieces_(cut_boundaries(carrier_, curves_, chord, budget)),
         grid_(carrier_) {
-    result_.unresolved = pieces_.unresolved;
+    result_.unresolved += pieces_.unresolved;
     if (observer_) observer_->boundaries(carrier_, curves_, pieces_);
   }
 
@@ -64,6 +64,11 @@ class TotalTracer {
   }
 
  private:
+  std::vector<BoundaryCurve> trace(Budget& budget) {
+    BoundaryCurves found = trace_boundaries(carrier_, budget, chord_, residual_);
+    result_.unresolved = found.unresolved;
+    return std::move(found.curves);
+  }
   void trace(double level, int& rings);
   void take(LevelArc arc, double level, std::vector<Drawn>& drawn);
   bool hidden_on(const LevelArc& arc);
@@ -78,10 +83,10 @@ class TotalTracer {
   TotalObserver* observer_;
   SheetCarrier carrier_;
   double chord_, residual_;
+  TotalContours result_;
   std::vector<BoundaryCurve> curves_;
   BoundaryPieces pieces_;
   TotalGrid grid_;
-  TotalContours result_;
 };
 
 CurveVertex TotalTracer::vertex(const Vec2& q, const Branches& branches) {
