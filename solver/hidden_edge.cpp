@@ -11,6 +11,10 @@ constexpr int kHiddenSteps = 20;
 // A place that lies this share of the segment away from where it was last is another one.
 constexpr double kOtherPlace = 0.1;
 constexpr double kHiddenRoundings = 8.0;
+// Far from a curved rim's edge the steps shrink only linearly. The distance is stationary in the
+// place on the rim: a last step of this share of it leaves it right to the square of the share.
+constexpr int kStepsBeforeShare = 7;
+constexpr double kLastShareOfGap = 1e-7;
 constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
@@ -86,7 +90,7 @@ bool HiddenEdge::rim(const Moving& a, const Moving& b, State& state) const {
     state.y += step;
     state.t += dt;
     if (step.norm() + std::abs(dt) * D.norm() <= kHiddenRoundings * geometry::kEpsilon * size ||
-        (i > 6 && step.norm() <= 1e-7 * gap.norm())) {
+        (i >= kStepsBeforeShare && step.norm() <= kLastShareOfGap * gap.norm())) {
       const Vec3 normal = across.normalized();
       state.h = normal.dot(state.y - a.at - state.t * D);
       const Vec3 slope_a = (state.t - 1.0) * normal, slope_b = -state.t * normal;

@@ -93,7 +93,7 @@ TEST(HiddenEdge, TouchesABallAtItsDistanceFromTheSegment) {
 TEST(HiddenEdge, PassesARimAtTheDistanceOfTwoLines) {
   const Vec3 normal = Vec3(0.3, 0.1, 1).normalized();
   auto plate = test::absorber(make_plane({0.4, 0.1, 0.8}, normal));
-  plate.bounds = {geometry::half_space_aperture({0.6, 0, 0}, {1, 0, 0})};
+  plate.bounds = box_aperture({-1, -1, 0}, {0.6, 1, 2});
   const Vec3 along = normal.cross(Vec3(1, 0, 0)).normalized();
   const Point on(0.6, 0.1, 0.8 - 0.3 * 0.2);
   for (const Light& light : kLights) {
