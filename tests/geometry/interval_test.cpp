@@ -8,11 +8,13 @@
 
 #include "geometry/linear.h"
 #include "tests/support/random.h"
+#include "tests/support/thorough.h"
 
 namespace caustic::geometry {
 namespace {
 
 using test::Random;
+using test::thorough;
 using Real = boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>,
                                            boost::multiprecision::et_off>;
 
@@ -63,7 +65,7 @@ void expect_tight(const Interval& a, double ulps) {
 
 TEST(Rounding, NeighboursLieOutside) {
   Random random(1);
-  for (int i = 0; i < 20000; ++i) {
+  for (int i = 0; i < thorough(20000, 1000); ++i) {
     const double c = any_number(random);
     EXPECT_LE(rounding::below(c), std::nextafter(c, -kInfinity)) << c;
     EXPECT_GE(rounding::above(c), std::nextafter(c, kInfinity)) << c;
@@ -74,7 +76,7 @@ TEST(Rounding, NeighboursLieOutside) {
 
 TEST(Interval, ArithmeticHoldsTheExactResult) {
   Random random(2);
-  for (int i = 0; i < 40000; ++i) {
+  for (int i = 0; i < thorough(40000, 1000); ++i) {
     const Interval a = any_interval(random), b = any_interval(random);
     const double x = any_point(a, random), y = any_point(b, random);
     const Real X(x), Y(y);
@@ -99,7 +101,7 @@ TEST(Interval, ArithmeticHoldsTheExactResult) {
 
 TEST(Interval, FunctionsHoldTheExactResult) {
   Random random(3);
-  for (int i = 0; i < 4000; ++i) {
+  for (int i = 0; i < thorough(4000, 200); ++i) {
     const Interval a = any_interval(random);
     const double x = any_point(a, random);
     const Real X(x);
@@ -125,7 +127,7 @@ TEST(Interval, FunctionsHoldTheExactResult) {
 // Extremes of the waves inside, at an end and just outside of the interval.
 TEST(Interval, WavesReachTheirExtremes) {
   Random random(4);
-  for (int i = 0; i < 3000; ++i) {
+  for (int i = 0; i < thorough(3000, 150); ++i) {
     const double width = random.log_uniform(1e-8, 10.0), lo = random.uniform(-20.0, 20.0);
     const Interval a{lo, lo + width};
     for (const bool cosine : {false, true}) {
@@ -147,7 +149,7 @@ TEST(Interval, WavesReachTheirExtremes) {
 
 TEST(Interval, PointsGiveTightResults) {
   Random random(5);
-  for (int i = 0; i < 3000; ++i) {
+  for (int i = 0; i < thorough(3000, 150); ++i) {
     const double x = random.log_uniform(1e-3, 1e2),
                  y = random.sign() * random.log_uniform(1e-3, 1e3);
     const Interval a(x), b(y);

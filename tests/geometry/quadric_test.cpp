@@ -7,6 +7,7 @@
 
 #include "tests/support/reference.h"
 #include "tests/support/sampling.h"
+#include "tests/support/thorough.h"
 
 namespace caustic::geometry {
 namespace {
@@ -51,9 +52,10 @@ void expect_same_surface(const ShapeSpec& spec, double size, Random& random,
   ASSERT_TRUE(result.surface) << spec.name << ": " << result.fault;
   const Surface& surface = *result.surface;
   const Point middle = spec.pose.translation;
+  constexpr int kPlaces = test::thorough(15, 2);
   const auto points =
-      test::sample_surface(surface, test::extent_about(middle, 3.0 * size), 40, random);
-  EXPECT_EQ(points.size(), 40u) << spec.name;
+      test::sample_surface(surface, test::extent_about(middle, 3.0 * size), kPlaces, random);
+  EXPECT_EQ(points.size(), static_cast<std::size_t>(kPlaces)) << spec.name;
   for (const Point& x : points) {
     const auto r = test::reference_shape(spec, x);
     if (!(r.curvature.norm() * size < 50.0)) continue;
@@ -63,7 +65,8 @@ void expect_same_surface(const ShapeSpec& spec, double size, Random& random,
     const double g = surface.value_gradient(off, gradient);
     const double slope = gradient.norm();
     EXPECT_NEAR(g / slope, test::reference_shape(spec, off).distance,
-                roundings * kEpsilon * (size + x.norm())) << spec.name;
+                roundings * kEpsilon * (size + x.norm()))
+        << spec.name;
     if (r.curvature.norm() * size < 10.0 && spec.name.find("cone") == std::string::npos) {
       EXPECT_GT(slope, 0.02) << spec.name;
       EXPECT_LT(slope, 50.0) << spec.name;
@@ -77,8 +80,8 @@ TEST(MakeQuadric, EveryClassAnywhereAtAnyScale) {
     for (int i = 0; i < 4; ++i) {
       const Mat3 axes = i == 0 ? Mat3::Identity() : random.rotation();
       const Point origin = i == 0 ? Point::Zero() : random.in_cube(1.0);
-      ShapeSpec unit = quadric(c.name, test::quadric_coefficients(c.lambda, c.linear, c.constant,
-                                                                  axes, origin));
+      ShapeSpec unit =
+          quadric(c.name, test::quadric_coefficients(c.lambda, c.linear, c.constant, axes, origin));
       if (i > 2) unit.pose = Pose::make(random.direction(), 1.0, random.in_cube(1.0));
       for (const double size : {1e-6, 1.0, 1e6}) {
         for (const double multiple : {1.0, -1.0, 1e9, 1e-9}) {
@@ -97,12 +100,15 @@ TEST(MakeQuadric, RefusesWhatIsNoSurface) {
     double linear, constant;
     const char* word;
   };
-  const Fault faults[] = {
-      {{1, 2, 3}, 0, 1, "no real point"},   {{1, 2, 0}, 0, 1, "no real point"},
-      {{1, 0, 0}, 0, 1, "no real point"},   {{1, 2, 3}, 0, 0, "point"},
-      {{1, 2, 0}, 0, 0, "line"},            {{1, 0, 0}, 0, 0, "double plane"},
-      {{1, -2, 0}, 0, 0, "crossing planes"}, {{0, 0, 0}, 0, 1, "zero"},
-      {{0, 0, 0}, 0, 0, "zero"}};
+  const Fault faults[] = {{{1, 2, 3}, 0, 1, "no real point"},
+                          {{1, 2, 0}, 0, 1, "no real point"},
+                          {{1, 0, 0}, 0, 1, "no real point"},
+                          {{1, 2, 3}, 0, 0, "point"},
+                          {{1, 2, 0}, 0, 0, "line"},
+                          {{1, 0, 0}, 0, 0, "double plane"},
+                          {{1, -2, 0}, 0, 0, "crossing planes"},
+                          {{0, 0, 0}, 0, 1, "zero"},
+                          {{0, 0, 0}, 0, 0, "zero"}};
   Random random(2);
   for (const Fault& f : faults) {
     for (int i = 0; i < 20; ++i) {
@@ -134,7 +140,7 @@ TEST(MakeQuadric, RefusesThemAwayFromTheOriginToo) {
 // Between paraboloid and ellipsoid or hyperboloid: the centre runs away, the surface does not.
 TEST(MakeQuadric, NearlyParabolic) {
   Random random(4);
-  for (int i = 0; i < 10; ++i) {
+  for (int i = 0; i < test::thorough(10, 2); ++i) {
     const Mat3 axes = i == 0 ? Mat3::Identity() : random.rotation();
     const Point origin = i == 0 ? Point::Zero() : random.in_cube(1.0);
     for (const double third : {1e-3, 1e-6, 1e-9, 1e-11, 3e-13, 1e-16}) {
@@ -154,7 +160,7 @@ TEST(MakeQuadric, NearlyParabolic) {
 TEST(MakeQuadric, RoundedCoefficients) {
   Random random(5);
   for (const Class& c : kRegular) {
-    for (int i = 0; i < 10; ++i) {
+    for (int i = 0; i < test::thorough(10, 2); ++i) {
       auto k = test::quadric_coefficients(c.lambda, c.linear, c.constant, random.rotation(),
                                           random.in_cube(1.0));
       for (double& v : k) v = std::round(v * 1e6) / 1e6;
@@ -168,8 +174,9 @@ TEST(MakeQuadric, RoundedCoefficients) {
 TEST(MakeQuadric, NearlyACone) {
   Random random(6);
   for (const double gap : {1e-2, -1e-2, 1e-6, -1e-6, 1e-10, -1e-10}) {
-    const auto spec = quadric("nearly a cone", test::quadric_coefficients(
-        {1.0, 2.0, -1.5}, 0.0, gap, random.rotation(), Point::Zero()));
+    const auto spec = quadric(
+        "nearly a cone",
+        test::quadric_coefficients({1.0, 2.0, -1.5}, 0.0, gap, random.rotation(), Point::Zero()));
     expect_same_surface(spec, 1.0, random);
   }
 }
@@ -177,15 +184,16 @@ TEST(MakeQuadric, NearlyACone) {
 TEST(MakeQuadric, BoundsOfAPosedEllipsoid) {
   Random random(7);
   const ShapeSpec spec = [&] {
-    ShapeSpec s = quadric("ellipsoid", test::quadric_coefficients({1, 4, 9}, 0, -1, random.rotation(),
-                                                                  random.in_cube(1.0)));
+    ShapeSpec s = quadric(
+        "ellipsoid",
+        test::quadric_coefficients({1, 4, 9}, 0, -1, random.rotation(), random.in_cube(1.0)));
     s.pose = Pose::make(random.direction(), 2.0, random.in_cube(3.0));
     return s;
   }();
   const auto surface = test::build(spec);
   Box tight{Point::Constant(kInfinity), Point::Constant(-kInfinity)};
-  for (const Point& x : test::sample_surface(*surface, test::extent_about(spec.pose.translation, 9.0),
-                                             20000, random)) {
+  for (const Point& x : test::sample_surface(
+           *surface, test::extent_about(spec.pose.translation, 9.0), 20000, random)) {
     tight = {tight.min.cwiseMin(x), tight.max.cwiseMax(x)};
   }
   const Box box = surface->bounds();

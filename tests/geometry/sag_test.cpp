@@ -10,17 +10,14 @@
 #include "geometry/grid_spline.h"
 #include "tests/support/random.h"
 #include "tests/support/reference.h"
+#include "tests/support/thorough.h"
 
 namespace caustic::geometry {
 namespace {
 
 using test::Random;
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr int kScannedRays = 10, kSamples = 5000;
-#else
-constexpr int kScannedRays = 60, kSamples = 20000;
-#endif
+constexpr int kScannedRays = test::thorough(60, 10), kSamples = test::thorough(20000, 5000);
 
 // Mean over the unit disc, exact for polynomials of degree 2n − 1: Gauss's nodes in r², equal steps
 // of the angle.

@@ -9,6 +9,7 @@
 #include "geometry/graph_cover.h"
 #include "tests/support/reference.h"
 #include "tests/support/sampling.h"
+#include "tests/support/thorough.h"
 
 namespace caustic::geometry {
 namespace {
@@ -18,11 +19,8 @@ using test::ReferenceRay;
 using test::ShapeSpec;
 using Kind = ShapeSpec::Kind;
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr int kRays = 10;
-#else
-constexpr int kRays = 100;
-#endif
+constexpr int kRays = test::thorough(100, 4);
+constexpr int kPoints = test::thorough(100, 5);
 constexpr int kSamplesOfRay = 400;
 
 class EverySurface : public testing::TestWithParam<ShapeSpec> {
@@ -43,7 +41,7 @@ class EverySurface : public testing::TestWithParam<ShapeSpec> {
 };
 
 TEST_P(EverySurface, DerivativesFollowFromTheValue) {
-  for (const Point& x : points(100)) {
+  for (const Point& x : points(kPoints)) {
     if (!regular(x, 0.2)) continue;
     const auto d = surface_->derivatives(x);
     Vec3 gradient;
@@ -57,16 +55,19 @@ TEST_P(EverySurface, DerivativesFollowFromTheValue) {
     const double h = 1e-3;
     const auto derive = [&](const auto& f, const Vec3& along) -> decltype(f(x)) {
       return ((8.0 * (f(x + h * along) - f(x - h * along)) -
-               (f(x + 2.0 * h * along) - f(x - 2.0 * h * along))) / (12.0 * h));
+               (f(x + 2.0 * h * along) - f(x - 2.0 * h * along))) /
+              (12.0 * h));
     };
     for (int i = 0; i < 3; ++i) {
       const Vec3 e = Vec3::Unit(i);
       EXPECT_NEAR(derive([&](const Point& y) { return surface_->value(y); }, e), d.gradient[i],
                   1e-8 * size);
-      const Vec3 column = derive([&](const Point& y) {
-        surface_->value_gradient(y, gradient);
-        return Vec3(gradient);
-      }, e);
+      const Vec3 column = derive(
+          [&](const Point& y) {
+            surface_->value_gradient(y, gradient);
+            return Vec3(gradient);
+          },
+          e);
       EXPECT_NEAR((column - d.hessian.col(i)).norm(), 0.0, 1e-8 * size);
     }
     const Vec3 u = random_.direction(), v = random_.direction();
@@ -91,7 +92,7 @@ TEST_P(EverySurface, DerivativesFollowFromTheValue) {
 }
 
 TEST_P(EverySurface, NormalsAndCurvaturesToRounding) {
-  for (const Point& x : points(50)) {
+  for (const Point& x : points(kPoints / 2)) {
     if (!regular(x)) continue;
     const auto d = surface_->derivatives(x);
     const auto r = test::reference_shape(spec(), x);
@@ -105,7 +106,7 @@ TEST_P(EverySurface, NormalsAndCurvaturesToRounding) {
 
 // g/|∇g| is the distance to first order, |∇g| of order one, g < 0 inside.
 TEST_P(EverySurface, ValueIsALengthWithTheContractsSign) {
-  for (const Point& x : points(50)) {
+  for (const Point& x : points(kPoints / 2)) {
     if (!regular(x)) continue;
     const double offset = random_.sign() * 1e-5;
     const Point y = x + offset * test::reference_shape(spec(), x).normal;
@@ -120,12 +121,12 @@ TEST_P(EverySurface, ValueIsALengthWithTheContractsSign) {
 }
 
 TEST_P(EverySurface, ChartPointsLieOnTheSurface) {
-  // Ten rounded coefficients bend a cylinder by their own rounding times the distance squared; terms of
-  // an expression cancel.
+  // Ten rounded coefficients bend a cylinder by their own rounding times the distance squared;
+  // terms of an expression cancel.
   const bool exact = spec().kind != Kind::quadric && spec().kind != Kind::expression;
   const double roundings = exact ? 32.0 : 256.0;
   for (const double half : {0.5, 3.0, 100.0}) {
-    for (const Point& x : points(100, half)) {
+    for (const Point& x : points(kPoints, half)) {
       const auto r = test::reference_shape(spec(), x);
       if (!regular(x, 0.01)) continue;
       EXPECT_LT(std::abs(r.distance), roundings * kEpsilon * (1.0 + x.norm())) << x.transpose();
@@ -137,12 +138,12 @@ TEST_P(EverySurface, ChartPointsLieOnTheSurface) {
 IntervalVec3 box_about(const Point& x, double half) { return intervals(Box::around(x, half)); }
 
 TEST_P(EverySurface, EnclosuresHoldWhatTheyEnclose) {
-  for (const Point& on : points(20)) {
+  for (const Point& on : points(kPoints / 5)) {
     const double half = random_.log_uniform(1e-6, 1.0);
     const Point middle = on + random_.in_cube(2.0 * half);
     const SurfaceEnclosure e = surface_->enclose(box_about(middle, half));
     const IntervalSym333 third = surface_->enclose_third(box_about(middle, half));
-    for (int i = 0; i < 50; ++i) {
+    for (int i = 0; i < test::thorough(50, 10); ++i) {
       const Point x = middle + random_.in_cube(half);
       // The Hessian of an asphere knows its surface's height: on it only is it the derivative.
       if (!exists_at(surface_->own_bounds(), x, -0.01)) continue;
@@ -179,7 +180,7 @@ TEST_P(EverySurface, GraphsCoverIt) {
   const auto holds = [](const IntervalVec3& box, const Point& x) {
     return box[0].contains(x[0]) && box[1].contains(x[1]) && box[2].contains(x[2]);
   };
-  for (const Point& x : points(100)) {
+  for (const Point& x : points(kPoints)) {
     if (!region.contains(x)) continue;
     int charts = 0;
     for (const GraphChart& chart : cover.charts) {
@@ -197,7 +198,7 @@ TEST_P(EverySurface, GraphsCoverIt) {
 }
 
 TEST_P(EverySurface, EnclosuresShrinkWithTheBox) {
-  for (const Point& x : points(20)) {
+  for (const Point& x : points(kPoints / 5)) {
     if (!regular(x)) continue;
     const auto width = [&](double half) {
       const SurfaceEnclosure e = surface_->enclose(box_about(x, half));
@@ -248,8 +249,8 @@ double distance_to_chart(const Chart& chart, const Point& x) {
         J.col(c) = (chart.point(hi.x(), hi.y()) - chart.point(lo.x(), lo.y())) / (hi[c] - lo[c]);
       }
       const Mat2 normal = J.transpose() * J;
-      const Vec2 step = -(normal + 1e-14 * normal.trace() * Mat2::Identity()).inverse() *
-                        (J.transpose() * off);
+      const Vec2 step =
+          -(normal + 1e-14 * normal.trace() * Mat2::Identity()).inverse() * (J.transpose() * off);
       for (double shorter = 1.0; shorter > 1e-4; shorter *= 0.5) {
         const Vec2 next = (w + shorter * step).cwiseMax(0.0).cwiseMin(1.0);
         const double there = (chart.point(next.x(), next.y()) - x).norm();
@@ -289,21 +290,22 @@ TEST_P(EverySurface, ChartsCoverTheRegion) {
         EXPECT_LT(distance_to_charts(charts, x), 1e-6 * half) << x.transpose();
         ++checked;
       }
-      if (checked > 12) break;
+      if (checked > test::thorough(12, 1)) break;
     }
   }
 }
 
 TEST_P(EverySurface, BoundsContainIt) {
   const Box box = surface_->bounds();
-  for (const Point& x : points(300, 20.0)) {
+  for (const Point& x : points(3 * kPoints, 20.0)) {
     const double slack = 1e-14 * (1.0 + x.norm());
     const Box wide{box.min.array() - slack, box.max.array() + slack};
     EXPECT_TRUE(wide.contains(x)) << x.transpose();
   }
 }
 
-// ---- Rays ----------------------------------------------------------------------------------------
+// ---- Rays
+// ----------------------------------------------------------------------------------------
 
 class Crossings : public EverySurface {
  protected:
@@ -364,7 +366,7 @@ TEST_P(Crossings, RandomRays) {
 }
 
 TEST_P(Crossings, UnnormalisedDirections) {
-  for (int i = 0; i < 30; ++i) {
+  for (int i = 0; i < test::thorough(30, 3); ++i) {
     const double length = random_.log_uniform(1e-3, 1e3);
     const Point from = center() + random_.in_cube(3.0);
     const Vec3 direction = length * (center() + random_.in_cube(2.0) - from).normalized();
@@ -414,7 +416,7 @@ TEST_P(Crossings, AlongAxesAndThroughTheCentre) {
 }
 
 TEST_P(Crossings, StationaryPointsAreAllFound) {
-  for (int i = 0; i < 60; ++i) {
+  for (int i = 0; i < test::thorough(60, 5); ++i) {
     const Point from = center() + random_.in_cube(3.0);
     const Ray ray{from, center() + random_.in_cube(2.0) - from};
     std::vector<double> found;
@@ -454,7 +456,8 @@ TEST_P(EverySurface, ConvexMeansConvex) {
 const auto kName = [](const auto& spec) { return spec.param.name; };
 INSTANTIATE_TEST_SUITE_P(Shapes, EverySurface, testing::ValuesIn(test::shape_zoo()), kName);
 INSTANTIATE_TEST_SUITE_P(Shapes, Crossings, testing::ValuesIn(test::shape_zoo()), kName);
-INSTANTIATE_TEST_SUITE_P(Expressions, EverySurface, testing::ValuesIn(test::expression_zoo()), kName);
+INSTANTIATE_TEST_SUITE_P(Expressions, EverySurface, testing::ValuesIn(test::expression_zoo()),
+                         kName);
 INSTANTIATE_TEST_SUITE_P(Expressions, Crossings, testing::ValuesIn(test::expression_zoo()), kName);
 
 // A ray that moves across the rim of an asphere: its crossing leaves the surface there, and goes on
@@ -462,7 +465,8 @@ INSTANTIATE_TEST_SUITE_P(Expressions, Crossings, testing::ValuesIn(test::express
 TEST(Asphere, CrossingsDoNotVanishAtTheRim) {
   const auto surface = make_conic(Point::Zero(), {0, 0, 1}, 1.0, 0.5, {0.02, -0.01});
   const Bound rim = surface->own_bounds().at(0);
-  const double height = surface->charts(test::extent_about(Point::Zero(), 2.0))[0].point(1.0, 0.5).z();
+  const double height =
+      surface->charts(test::extent_about(Point::Zero(), 2.0))[0].point(1.0, 0.5).z();
   for (const Vec3& direction : {Vec3(0.1, 0, 1), Vec3(0.5, 0, 1), Vec3(0.3, 0.4, -1)}) {
     for (const double beyond : {-1e-3, -1e-6, -1e-9, 1e-9, 1e-6, 1e-3}) {
       const Point at(rim.radius + beyond, 0, height);

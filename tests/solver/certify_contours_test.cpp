@@ -11,6 +11,7 @@
 #include "geometry/expression/field.h"
 #include "tests/support/sampling.h"
 #include "tests/support/scenes.h"
+#include "tests/support/thorough.h"
 
 namespace caustic::solver {
 namespace {
@@ -163,13 +164,8 @@ TEST(CertifyContours, CriticalValuesAreUndecided) {
   }
 }
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr int kChords = 60;
-constexpr bool kAllMirrors = false;
-#else
-constexpr int kChords = 600;
-constexpr bool kAllMirrors = true;
-#endif
+constexpr int kChords = test::thorough(600, 60);
+constexpr bool kAllMirrors = !test::kSanitized;
 
 // Distance from x to the polyline of a curve on the mirror.
 double distance_to(const Curve& curve, const Point& x) {

@@ -12,6 +12,7 @@
 #include "solver/domain.h"
 #include "tests/support/random.h"
 #include "tests/support/scenes.h"
+#include "tests/support/thorough.h"
 
 namespace caustic::solver {
 namespace {
@@ -19,11 +20,7 @@ namespace {
 using namespace geometry;
 using test::Random;
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr int kCells = 20;
-#else
-constexpr int kCells = 400;
-#endif
+constexpr int kCells = test::thorough(400, 20);
 
 struct Scene {
   std::string name;

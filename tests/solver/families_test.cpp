@@ -7,6 +7,7 @@
 #include "solver/forward_map.h"
 #include "tests/support/reference.h"
 #include "tests/support/sampling.h"
+#include "tests/support/thorough.h"
 
 namespace caustic::solver {
 namespace {
@@ -15,11 +16,7 @@ using test::Random;
 using test::ReferenceScene;
 using test::ShapeSpec;
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr int kFamilyPaths = 15;
-#else
-constexpr int kFamilyPaths = 300;
-#endif
+constexpr int kFamilyPaths = test::thorough(300, 15);
 
 Optics random_optics(Random& random) {
   Optics optics;

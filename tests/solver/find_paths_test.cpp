@@ -6,17 +6,14 @@
 
 #include "tests/support/random.h"
 #include "tests/support/scenes.h"
+#include "tests/support/thorough.h"
 
 namespace caustic::solver {
 namespace {
 
 using test::Random;
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr int kPairs = 60;
-#else
-constexpr int kPairs = 300;
-#endif
+constexpr int kPairs = test::thorough(300, 15);
 
 OpticalSystem scene_of(std::vector<SystemSurface> surfaces) {
   return OpticalSystem::build(PointLight{{0, 0, 4}, 1.0}, std::move(surfaces),
@@ -134,7 +131,7 @@ TEST(FindPaths, TheSameBothWays) {
        test::mirror(geometry::make_ellipsoid({0, 0, 3}, {2.0, 1.0, 0.7}, Mat3::Identity()))});
   Random random(7104);
   int found_any = 0;
-  for (int k = 0; k < kPairs / 15; ++k) {
+  for (int k = 0; k < test::thorough(10, 2); ++k) {
     const Point from = random.in_cube(3.0) + Vec3(0, 0, 1.5),
                 to = random.in_cube(3.0) + Vec3(0, 0, 1.5);
     for (const Family& family : {Family{0}, Family{1}, Family{0, 1}}) {
@@ -152,7 +149,7 @@ TEST(FindPaths, TheSameBothWays) {
       found_any += !forth.paths.empty();
     }
   }
-  EXPECT_GT(found_any, kPairs / 30);
+  EXPECT_GT(found_any, test::thorough(5, 0));
 }
 
 SystemSurface glass(geometry::SurfacePtr shape, double index) {
@@ -166,7 +163,7 @@ SystemSurface glass(geometry::SurfacePtr shape, double index) {
 TEST(FindPaths, ThroughAPlaneInterfaceFollowSnell) {
   const auto system = scene_of({glass(geometry::make_plane({0, 0, 0}, {0, 0, 1}), 1.33)});
   Random random(7105);
-  for (int k = 0; k < 50; ++k) {
+  for (int k = 0; k < kPairs / 6; ++k) {
     const double height = random.uniform(0.2, 3.0), depth = random.uniform(0.2, 3.0);
     const double distance = random.uniform(0.1, 5.0),
                  angle = random.uniform(0.0, 2 * geometry::kPi);

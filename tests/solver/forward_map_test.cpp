@@ -6,6 +6,7 @@
 
 #include "tests/support/reference.h"
 #include "tests/support/sampling.h"
+#include "tests/support/thorough.h"
 
 namespace caustic::solver {
 namespace {
@@ -16,11 +17,7 @@ using test::ShapeSpec;
 
 // Sanitizers slow 50-digit arithmetic tenfold. Quadrics, conics and freeforms come in many classes
 // each.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr int kPoints = 40, kPointsOfClass = 20;
-#else
-constexpr int kPoints = 1000, kPointsOfClass = 200;
-#endif
+constexpr int kPoints = test::thorough(1000, 40), kPointsOfClass = test::thorough(200, 20);
 constexpr int kPointsPerScene = 10;
 
 // Required of a, ∇a, flux: error in units of their natural scale.

@@ -9,6 +9,7 @@
 #include "tests/support/random_path.h"
 #include "tests/support/sampling.h"
 #include "tests/support/scenes.h"
+#include "tests/support/thorough.h"
 
 namespace caustic::solver {
 namespace {
@@ -16,11 +17,7 @@ namespace {
 using test::Random;
 using test::RandomPath;
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr int kReferencePaths = 2, kPaths = 30;
-#else
-constexpr int kReferencePaths = 25, kPaths = 400;
-#endif
+constexpr int kReferencePaths = test::thorough(25, 2), kPaths = test::thorough(400, 30);
 
 // Required of J and H: error in units of their natural scale.
 constexpr double kPathTolerance = 1e-11;
