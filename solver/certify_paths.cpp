@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "geometry/isolated_point.h"
 
@@ -57,16 +58,22 @@ struct EnclosedSegment {
 class Search {
  public:
   Search(const std::vector<PathSurface>& surfaces, const std::vector<geometry::Box>& regions,
-         const Point& from, const Point& to, double scale, const CertifyOptions& options,
+         const Light& light, const Point& to, double scale, const CertifyOptions& options,
          const std::vector<int>& sides, CertifiedRoots& result)
       : surfaces_(surfaces),
-        from_(geometry::intervals(from)),
         to_(geometry::intervals(to)),
         scale_(scale),
         options_(options),
         sides_(sides),
         result_(result),
         n_(static_cast<int>(surfaces.size())) {
+    if (const auto* beam = std::get_if<CollimatedLight>(&light)) {
+      beam_.emplace();
+      beam_->w = geometry::intervals(beam->direction);
+      for (auto& row : beam_->bend) std::fill(std::begin(row), std::end(row), Interval(0.0));
+    } else {
+      from_ = geometry::intervals(std::get<PointLight>(light).position);
+    }
     double index = 1.0;
     index_.push_back(index);
     for (int i = 0; i < n_; ++i) {
@@ -107,6 +114,7 @@ class Search {
   void divide(const PathBox& box);
   bool holds_only_a_point(const PathBox& box);
   void enclose(const PathBox& box);
+  void enclose_spans(const PathBox& box);
   Interval residual(int i, int row, const IntervalVec3& tangent) const;
   double widest(const PathBox& box, int& hop, int& axis) const;
   IntervalVec3 miss(int i) const {
@@ -116,6 +124,7 @@ class Search {
 
   const std::vector<PathSurface>& surfaces_;
   IntervalVec3 from_, to_;
+  std::optional<EnclosedSegment> beam_;  // the first segment, if it does not begin at a point
   double scale_;
   const CertifyOptions& options_;
   const std::vector<int>& sides_;
@@ -147,8 +156,13 @@ EnclosedSegment span_between(const IntervalVec3& a, const IntervalVec3& b) {
 
 void Search::enclose(const PathBox& box) {
   for (int i = 0; i < n_; ++i) surface_[i] = surfaces_[i].shape->enclose(box.x[i]);
-  for (int k = 0; k <= n_; ++k) {
-    spans_[k] = span_between(k == 0 ? from_ : box.x[k - 1], k == n_ ? to_ : box.x[k]);
+  enclose_spans(box);
+}
+
+void Search::enclose_spans(const PathBox& box) {
+  spans_[0] = beam_ ? *beam_ : span_between(from_, box.x[0]);
+  for (int k = 1; k <= n_; ++k) {
+    spans_[k] = span_between(box.x[k - 1], k == n_ ? to_ : box.x[k]);
   }
 }
 
@@ -235,9 +249,7 @@ bool Search::impossible(PathBox& box) {
       if (bound.lower_bound_within(middle, radius) > 1e-12 * scale_) return true;
     }
   }
-  for (int k = 0; k <= n_; ++k) {
-    spans_[k] = span_between(k == 0 ? from_ : box.x[k - 1], k == n_ ? to_ : box.x[k]);
-  }
+  enclose_spans(box);
   for (int i = 0; i + 1 < n_; ++i) {
     if (follow(box, i, i + 1)) return true;
   }
@@ -485,7 +497,7 @@ void Search::divide(const PathBox& box) {
 }  // namespace
 
 CertifiedRoots certify_paths(const std::vector<PathSurface>& surfaces,
-                             const std::vector<geometry::Box>& regions, const Point& from,
+                             const std::vector<geometry::Box>& regions, const Light& light,
                              const Point& to, double scale, const CertifyOptions& options) {
   CertifiedRoots result;
   // Light may come to a refracting surface from either side; what it obeys then differs.
@@ -498,7 +510,7 @@ CertifiedRoots certify_paths(const std::vector<PathSurface>& surfaces,
     for (std::size_t k = 0; k < refracting.size(); ++k) {
       sides[refracting[k]] = choice >> k & 1 ? -1 : 1;
     }
-    Search(surfaces, regions, from, to, scale, options, sides, result).run();
+    Search(surfaces, regions, light, to, scale, options, sides, result).run();
   }
   return result;
 }

@@ -1,4 +1,4 @@
-// All specular paths between two points, proven to be all: interval Newton by Krawczyk's operator
+// All specular paths from a light to a point, proven to be all: interval Newton by Krawczyk's operator
 // in a branch and bound over the surfaces. [MH] §5.3; NOTATION.md (S38)–(S42).
 #pragma once
 
@@ -30,7 +30,7 @@ struct CertifiedRoots {
 
 /// `regions[i]` holds all of surface i that exists; its bounds only help to discard.
 CertifiedRoots certify_paths(const std::vector<PathSurface>& surfaces,
-                             const std::vector<geometry::Box>& regions, const Point& from,
+                             const std::vector<geometry::Box>& regions, const Light& light,
                              const Point& to, double scale, const CertifyOptions& options = {});
 
 }  // namespace caustic::solver

@@ -29,8 +29,8 @@ std::vector<FamilyPath> certified_paths(const OpticalSystem& system, const Famil
                                         PathsResult& result) {
   std::vector<geometry::Box> regions;
   for (const int surface : family) regions.push_back(system.surfaces()[surface].region);
-  const auto proven = certify_paths(finder.tracer().surfaces(), regions, request.from, request.to,
-                                    system.diameter());
+  const auto proven = certify_paths(finder.tracer().surfaces(), regions, finder.tracer().light(),
+                                    request.to, system.diameter());
   result.undecided += proven.undecided;
   std::vector<FamilyPath> paths;
   for (const auto& root : proven.roots) {

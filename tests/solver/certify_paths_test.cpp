@@ -11,17 +11,14 @@
 #include "solver/paths_between.h"
 #include "tests/support/random.h"
 #include "tests/support/scenes.h"
+#include "tests/support/thorough.h"
 
 namespace caustic::solver {
 namespace {
 
 using test::Random;
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr int kCertifiedPairs = 5;
-#else
-constexpr int kCertifiedPairs = 40;  // 1000 by ISOCAUSTIC_PAIRS=1000
-#endif
+constexpr int kCertifiedPairs = test::thorough(40, 5);  // 1000 by ISOCAUSTIC_PAIRS=1000
 
 int pairs() {
   const char* wanted = std::getenv("ISOCAUSTIC_PAIRS");
@@ -171,7 +168,8 @@ TEST(CertifyPaths, AgreesWithTheSearchThroughABall) {
   for (int k = 0; k < count; ++k) {
     const Point from = random.uniform(1.2, 3.5) * random.direction();
     const Point to = random.uniform(1.2, 3.5) * random.direction();
-    const auto proven = certify_paths({hop, hop}, {region, region}, from, to, system.diameter());
+    const auto proven =
+        certify_paths({hop, hop}, {region, region}, PointLight{from, 1.0}, to, system.diameter());
     EXPECT_EQ(proven.undecided, 0u) << proven.boxes << " boxes";
     PathFinder finder(system, {0, 0}, PointLight{from, 1.0});
     std::size_t admitted = 0;
@@ -187,9 +185,9 @@ TEST(CertifyPaths, AWholeCircleOfPathsStaysUndecided) {
   const auto torus = geometry::make_torus({0, 0, 0}, {0, 0, 1}, 1.2, 0.5);
   const auto system = OpticalSystem::build(PointLight{{0, 0, 2}, 1.0}, {test::mirror(torus)},
                                            test::floor_at({0, 0, -1}, 2.0, 2.0));
-  const auto result =
-      certify_paths({path_surface(system.surfaces()[0])}, {system.surfaces()[0].region},
-                    {0, 0, 1.5}, {0, 0, -1}, system.diameter(), {.max_boxes = 20000});
+  const auto result = certify_paths({path_surface(system.surfaces()[0])},
+                                    {system.surfaces()[0].region}, PointLight{{0, 0, 1.5}, 1.0},
+                                    {0, 0, -1}, system.diameter(), {.max_boxes = 20000});
   EXPECT_GT(result.undecided, 0u);
 }
 
@@ -200,7 +198,7 @@ TEST(CertifyPaths, CountsNoStraightCrossings) {
                                            test::floor_at({0, 0, -1}, 2.0, 2.0));
   const auto result =
       certify_paths({path_surface(system.surfaces()[0])}, {system.surfaces()[0].region},
-                    {0.1, 0.2, 0.3}, {0.4, 0.1, 3.0}, system.diameter());
+                    PointLight{{0.1, 0.2, 0.3}, 1.0}, {0.4, 0.1, 3.0}, system.diameter());
   EXPECT_EQ(result.undecided, 0u);
   const Vec3 way = Vec3(0.4, 0.1, 3.0) - Vec3(0.1, 0.2, 0.3);
   for (const auto& root : result.roots) {

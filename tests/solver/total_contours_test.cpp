@@ -5,12 +5,13 @@
 #include <cmath>
 #include <map>
 
-#include "geometry/expression/field.h"
 #include "solver/contours.h"
 #include "solver/point_irradiance.h"
 #include "tests/support/contour_checks.h"
-#include "tests/support/scenes.h"
+#include "tests/support/strips.h"
+#include "tests/support/thorough.h"
 #include "tests/support/total_checks.h"
+#include "tests/support/total_scenes.h"
 
 namespace caustic::solver {
 namespace {
@@ -20,33 +21,7 @@ using test::area_above;
 using test::expect_areas;
 using test::expect_closed_rings;
 using test::expect_true_of_the_meter;
-using test::floor_at;
-using test::one_mirror;
 using test::total_of;
-
-OpticalSystem ball_under_ceiling() {
-  return one_mirror(PointLight{{0, 0, 4}, 1.0}, geometry::make_sphere(Point::Zero(), 1.0),
-                    floor_at({0, 0, 6}, 12, 12));
-}
-
-// Unit cylinder arc |φ| ≤ 60°, height 1, lit by a beam at 45° along x.
-OpticalSystem nephroid_ring() {
-  return one_mirror(CollimatedLight{Vec3(1, 0, -1).normalized(), 1.0},
-                    geometry::make_cylinder(Point::Zero(), {0, 0, 1}, 1.0),
-                    floor_at({0.5, 0, 0}, 1.2, 1.2),
-                    geometry::box_aperture({0.5, -1, 0}, {1.001, 1, 1}));
-}
-
-// Two tilted plates whose patches of light overlap on the ceiling.
-OpticalSystem two_plates() {
-  auto left = test::mirror(geometry::make_plane({-0.5, 0, 0}, Vec3(0.2, 0, 1).normalized()),
-                           geometry::box_aperture({-0.8, -0.3, -1}, {-0.2, 0.3, 1}), 0.9);
-  auto right = test::mirror(geometry::make_plane({0.5, 0, 0}, Vec3(-0.2, 0.05, 1).normalized()),
-                            geometry::box_aperture({0.2, -0.25, -1}, {0.8, 0.35, 1}), 0.8);
-  right.name = "right";
-  return OpticalSystem::build(PointLight{{0.1, 0.05, 1.0}, 1.0}, {left, right},
-                              floor_at({0, 0, 1.5}, 3, 3));
-}
 
 std::vector<const Curve*> rings_of(const ContourResult& result, double level, int& count) {
   std::vector<const Curve*> arcs;
@@ -61,7 +36,7 @@ std::vector<const Curve*> rings_of(const ContourResult& result, double level, in
 }
 
 TEST(TotalContours, OfOneSheetAreTheSheets) {
-  const auto system = ball_under_ceiling();
+  const auto system = test::ball_under_ceiling();
   const std::map<double, double> radii{{5e-4, 2.64148155}, {3e-4, 4.60955767}};
   const auto total = total_of(system, {5e-4, 3e-4, 1.8e-4}, 1e-4);
   EXPECT_EQ(total.undecided_cells, 0u);
@@ -83,7 +58,7 @@ TEST(TotalContours, OfOneSheetAreTheSheets) {
 
 // A coarse polyline may pass points of the grid on the wrong side; its arc is not traced again.
 TEST(TotalContours, DrawnCoarselyAreDrawnOnce) {
-  const auto system = ball_under_ceiling();
+  const auto system = test::ball_under_ceiling();
   for (const double chord : {1e-3, 1e-2, 0.1}) {
     std::vector<double> levels;
     for (int i = 0; i < 10; ++i) levels.push_back(3e-4 + 2e-5 * i);
@@ -97,7 +72,7 @@ TEST(TotalContours, DrawnCoarselyAreDrawnOnce) {
 }
 
 TEST(TotalContours, OfTheNephroidRing) {
-  const auto system = nephroid_ring();
+  const auto system = test::nephroid_ring();
   const auto result = total_of(system, {1.0, 2.0, 4.0}, 1.2e-4);
   ASSERT_FALSE(result.unsupported);
   EXPECT_EQ(result.undecided_cells, 0u);
@@ -109,7 +84,7 @@ TEST(TotalContours, OfTheNephroidRing) {
 
 // Without levels, the edges of all sheets with what a meter reads next to them.
 TEST(TotalContours, KnowWhatLiesOnBothSidesOfBoundaries) {
-  const auto system = two_plates();
+  const auto system = test::two_plates();
   ContourRequest request;
   request.measure = Measure::total;
   request.isolux = request.caustic = false;
@@ -136,22 +111,17 @@ TEST(TotalContours, KnowWhatLiesOnBothSidesOfBoundaries) {
 }
 
 TEST(TotalContours, OfOverlappingPatches) {
-  const auto system = two_plates();
+  const auto system = test::two_plates();
   const auto result = total_of(system, {0.05, 0.09, 0.12}, 3e-4);
   ASSERT_FALSE(result.unsupported) << *result.unsupported;
   EXPECT_EQ(result.undecided_cells, 0u);
   expect_closed_rings(result, 3.0);
+  expect_true_of_the_meter(system, result);
   expect_areas(system, result, 3e-4);
 }
 
 TEST(TotalContours, OfOneDimensionalWaterAreStrips) {
-  const auto surface =
-      geometry::make_expression(geometry::read_expression("z-0.1*sin(6.283185307179586*x)", 1.0),
-                                {Point(-1, -1, -0.2), Point(2, 2, 0.2)}, {});
-  auto water = test::mirror(surface.surface);
-  water.optics = {.kind = Optics::Kind::refract, .index_outside = 1.0, .index_inside = 1.33};
-  const auto system = OpticalSystem::build(CollimatedLight{{0, 0, -1}, 1.0}, {water},
-                                           floor_at({0.5, 0.5, -1}, 1, 1));
+  const auto system = test::water_waves(1.0);
   const auto result = total_of(system, {0.8, 1.5, 3.0}, 1e-4);
   ASSERT_FALSE(result.unsupported);
   EXPECT_EQ(result.undecided_cells, 0u);
@@ -173,14 +143,7 @@ TEST(TotalContours, OfOneDimensionalWaterAreStrips) {
 }
 
 TEST(TotalContours, OfWavesInTwoDirections) {
-  const auto surface = geometry::make_expression(
-      geometry::read_expression("z-0.1*sin(6.283185307179586*x)-0.06*cos(6.283185307179586*y)",
-                                1.0),
-      {Point(-1, -1, -0.2), Point(2, 2, 0.2)}, {});
-  auto water = test::mirror(surface.surface);
-  water.optics = {.kind = Optics::Kind::refract, .index_outside = 1.0, .index_inside = 1.33};
-  const auto system = OpticalSystem::build(CollimatedLight{{0, 0, -1}, 1.0}, {water},
-                                           floor_at({0.45, 0.37, -1.6}, 1, 1));
+  const auto system = test::crossing_waves();
   const auto result = total_of(system, {0.8, 1.5, 3.0}, 1e-4);
   EXPECT_EQ(result.undecided_cells, 0u);
   expect_closed_rings(result, 1.0);
@@ -188,14 +151,8 @@ TEST(TotalContours, OfWavesInTwoDirections) {
   expect_areas(system, result, 1e-4);
 }
 
-OpticalSystem tilted_dish() {
-  return one_mirror(CollimatedLight{Vec3(0.3, 0.1, -1).normalized(), 1.0},
-                    geometry::make_sphere({0, 0, 2}, 2.0), floor_at({0.3, 0.1, 1.0}, 0.6, 0.6),
-                    {geometry::half_space_aperture({0, 0, 0.25}, {0, 0, 1})});
-}
-
 TEST(TotalContours, OfATiltedDish) {
-  const auto system = tilted_dish();
+  const auto system = test::tilted_dish();
   const auto result = total_of(system, {2.0, 8.0, 40.0}, 6e-5);
   EXPECT_EQ(result.undecided_cells, 0u);
   expect_closed_rings(result, 0.6);
@@ -225,8 +182,8 @@ double farthest(const ContourResult& curves, const ContourResult& truth, double 
 
 // Both ways, cusps, caustics and edges included.
 TEST(TotalContours, KeepToTheChordEverywhere) {
-  for (const auto& [system, levels] : {std::pair{nephroid_ring(), std::vector{1.0, 4.0}},
-                                       std::pair{tilted_dish(), std::vector{2.0, 40.0}}}) {
+  for (const auto& [system, levels] : {std::pair{test::nephroid_ring(), std::vector{1.0, 4.0}},
+                                       std::pair{test::tilted_dish(), std::vector{2.0, 40.0}}}) {
     const double chord = 1e-3 * system.receiver().width();
     const auto coarse = total_of(system, levels, chord),
                fine = total_of(system, levels, 1e-2 * chord);
@@ -237,10 +194,19 @@ TEST(TotalContours, KeepToTheChordEverywhere) {
   }
 }
 
+TEST(TotalContours, OfACuboid) {
+  const auto system = test::cuboid_over_floor();
+  const auto result = total_of(
+      system, test::kSanitized ? std::vector{0.01} : std::vector{0.001, 0.003, 0.01}, 8e-4);
+  EXPECT_EQ(result.undecided_cells, 0u);
+  for (const auto& w : result.warnings) ADD_FAILURE() << w.code << w.detail;
+  expect_closed_rings(result, 8.0);
+  expect_true_of_the_meter(system, result);
+  expect_areas(system, result, 8e-4, 2000);  // a reading takes a third of a millisecond
+}
+
 TEST(TotalContours, OfATorus) {
-  const auto system = one_mirror(PointLight{{3, 0, 2}, 1.0},
-                                 geometry::make_torus(Point::Zero(), {0, 0, 1}, 1.5, 0.5),
-                                 floor_at({0, 0, 4}, 8, 8));
+  const auto system = test::torus_beside_lamp();
   const auto result = total_of(system, {0.001, 0.003, 0.01, 0.02}, 8e-4);
   ASSERT_FALSE(result.unsupported);
   EXPECT_EQ(result.undecided_cells, 0u);

@@ -6,8 +6,11 @@
 #include <cstdlib>
 #include <map>
 
+#include "solver/certify_paths.h"
+#include "solver/itineraries.h"
 #include "solver/point_irradiance.h"
 #include "tests/support/random.h"
+#include "tests/support/thorough.h"
 
 namespace caustic::test {
 
@@ -15,14 +18,36 @@ using namespace solver;
 
 namespace {
 
-int points_wanted() {
+int points_wanted(int usual) {
   const char* wanted = std::getenv("ISOCAUSTIC_SAMPLES");
-#if defined(__SANITIZE_ADDRESS__)
-  constexpr int kUsually = 4000;
-#else
-  constexpr int kUsually = 20000;
-#endif
-  return wanted ? std::atoi(wanted) : kUsually;
+  return wanted ? std::atoi(wanted) : thorough(usual, usual / 20);
+}
+
+// What arrives at q over one hop, by interval Newton's proof of all paths.
+struct CertifiedSheets {
+  std::vector<Point> first_hits;
+  double E = 0.0;
+  std::size_t undecided = 0;
+};
+CertifiedSheets certified_sheets(const OpticalSystem& system, const Vec2& q) {
+  CertifiedSheets sum;
+  const Point p = system.receiver().point(q);
+  for (const Family& family : families_up_to(system, 1)) {
+    const SystemSurface& surface = system.surfaces()[family[0]];
+    const PathFinder judge(system, family, system.light());
+    const auto proven = certify_paths(judge.tracer().surfaces(), {surface.region}, system.light(),
+                                      p, system.diameter());
+    sum.undecided += proven.undecided;
+    for (const auto& root : proven.roots) {
+      if (!judge.admit(root, p)) continue;
+      Vec3 N;
+      surface.shape->value_gradient(root[0], N);
+      const int side = N.dot(judge.tracer().incident(root[0])) < 0.0 ? 1 : -1;
+      sum.E += ForwardMap(system, {{family[0], side}}).evaluate(root[0]).irradiance();
+      sum.first_hits.push_back(root[0]);
+    }
+  }
+  return sum;
 }
 
 }  // namespace
@@ -114,12 +139,40 @@ void expect_true_of_the_meter(const OpticalSystem& system, const ContourResult& 
   EXPECT_GT(jumps, 4);
 }
 
+int expect_all_paths_proven(const OpticalSystem& system, const ContourResult& result,
+                            int vertices_of_curve) {
+  LightMeter meter(system, {}, false);
+  int proven = 0;
+  for (const Curve& c : result.curves) {
+    if (c.kind != CurveKind::isolux) continue;
+    const std::size_t n = c.vertices.size();
+    for (int k = 1; k <= vertices_of_curve; ++k) {
+      const std::size_t at = k * n / (vertices_of_curve + 1);
+      if (at == 0 || at + 1 == n) continue;  // at its ends sheets begin
+      const CurveVertex& v = c.vertices[at];
+      const auto reading = meter.at(v.uv);
+      const CertifiedSheets certified = certified_sheets(system, v.uv);
+      EXPECT_EQ(certified.undecided, 0u) << v.uv.transpose();
+      EXPECT_EQ(certified.first_hits.size(), reading.sheets.size()) << v.uv.transpose();
+      EXPECT_NEAR(certified.E / c.level, 1.0, 1e-8) << v.uv.transpose();
+      for (const SheetIrradiance& sheet : reading.sheets) {
+        double nearest = geometry::kInfinity;
+        for (const Point& x : certified.first_hits)
+          nearest = std::min(nearest, (x - sheet.hits[0]).norm());
+        EXPECT_LT(nearest, 1e-8 * system.diameter()) << v.uv.transpose();
+      }
+      proven += static_cast<int>(certified.first_hits.size());
+    }
+  }
+  return proven;
+}
+
 void expect_areas(const OpticalSystem& system, const ContourResult& result, double chord,
-                  const TotalAt& total) {
+                  const TotalAt& total, int samples) {
   Random random(77);
   const Vec2 half = system.receiver().half;
   std::map<double, int> inside;
-  const int samples = points_wanted();
+  samples = points_wanted(samples);
   for (int k = 0; k < samples; ++k) {
     const Vec2 q(random.uniform(-half.x(), half.x()), random.uniform(-half.y(), half.y()));
     const double E = total(q);
@@ -136,12 +189,16 @@ void expect_areas(const OpticalSystem& system, const ContourResult& result, doub
   }
 }
 
-void expect_areas(const OpticalSystem& system, const ContourResult& result, double chord) {
+void expect_areas(const OpticalSystem& system, const ContourResult& result, double chord,
+                  int samples) {
   LightMeter meter(system, {}, false);
-  expect_areas(system, result, chord, [&](const Vec2& q) {
-    const auto reading = meter.at(q);
-    return reading.on_caustic ? geometry::kInfinity : reading.E;
-  });
+  expect_areas(
+      system, result, chord,
+      [&](const Vec2& q) {
+        const auto reading = meter.at(q);
+        return reading.on_caustic ? geometry::kInfinity : reading.E;
+      },
+      samples);
 }
 
 }  // namespace caustic::test

@@ -23,13 +23,19 @@ void expect_closed_rings(const solver::ContourResult& result, double width);
 void expect_true_of_the_meter(const solver::OpticalSystem& system,
                               const solver::ContourResult& result);
 
+/// Every path to a few vertices of each curve of the level found anew by the certified method: as
+/// many sheets with the same first hits as the meter knows, and on level arcs Σ E_k = level.
+/// Returns the number of paths that were proven.
+int expect_all_paths_proven(const solver::OpticalSystem& system,
+                            const solver::ContourResult& result, int vertices_of_curve = 1);
+
 /// Areas against random points at which E is asked, within four standard deviations. 10⁷ points by
-/// ISOCAUSTIC_SAMPLES=10000000.
+/// ISOCAUSTIC_SAMPLES=10000000 instead of `samples`.
 using TotalAt = std::function<double(const geometry::Vec2& q)>;
 void expect_areas(const solver::OpticalSystem& system, const solver::ContourResult& result,
-                  double chord, const TotalAt& total);
+                  double chord, const TotalAt& total, int samples = 20000);
 /// The same with a light meter.
 void expect_areas(const solver::OpticalSystem& system, const solver::ContourResult& result,
-                  double chord);
+                  double chord, int samples = 20000);
 
 }  // namespace caustic::test
