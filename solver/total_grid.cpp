@@ -13,6 +13,8 @@ constexpr int kHalvings = 30;
 constexpr int kFaceHalvings = 16;
 // Off the middle lines of symmetric scenes, on which their curves like to lie.
 constexpr double kOffset = 0.0137;
+// Beside an arc is so many chord tolerances from its polyline.
+constexpr double kBesideArc = 2.0;
 
 }  // namespace
 
@@ -20,9 +22,7 @@ TotalGrid::TotalGrid(SheetCarrier& carrier)
     : carrier_(carrier), half_(carrier.system().receiver().half), count_(kCells) {
   for (int j = 0; j <= count_; ++j) {
     for (int i = 0; i <= count_; ++i) {
-      Branches branches = carrier_.find(place(i, j));
-      const double total = total_of(branches).E;
-      nodes_.push_back({std::move(branches), total});
+      nodes_.push_back(node_at(place(i, j)));
     }
   }
 }
@@ -36,8 +36,16 @@ Vec2 TotalGrid::place(int i, int j) const {
 
 void TotalGrid::begin(double level) {
   level_ = level;
-  right_.assign(nodes_.size(), 0);
-  above_ = given_up_right_ = given_up_above_ = unsure_ = right_;
+  right_.assign(nodes_.size(), {});
+  above_ = right_;
+  unsure_.assign(nodes_.size(), 0);
+  given_up_above_ = given_up_right_ = unsure_;
+}
+
+TotalGrid::Node TotalGrid::node_at(const Vec2& q) {
+  Branches branches = carrier_.find(q);
+  const double total = total_of(branches).E;
+  return {std::move(branches), total};
 }
 
 void TotalGrid::doubt_nodes_near(const Vec2& a, const Vec2& b, double distance) {
@@ -62,6 +70,7 @@ void TotalGrid::doubt_nodes_near(const Vec2& a, const Vec2& b, double distance) 
 void TotalGrid::add(const std::vector<Vec2>& polyline, bool closed, double chord) {
   const Vec2 origin = place(0, 0), step = place(1, 1) - origin;
   const std::size_t n = polyline.size();
+  chord_ = chord;
   for (std::size_t k = 0; k < (closed ? n : n - 1); ++k) {
     doubt_nodes_near(polyline[k], polyline[(k + 1) % n], chord);
     const Vec2 a = (polyline[k] - origin).cwiseQuotient(step);
@@ -77,9 +86,9 @@ void TotalGrid::add(const std::vector<Vec2>& polyline, bool closed, double chord
         const int cell = static_cast<int>(std::floor(along));
         if (cell < 0 || cell >= count_) continue;
         if (axis == 0)
-          above_[index(line, cell)] ^= 1;
+          above_[index(line, cell)].push_back(along - cell);
         else
-          right_[index(cell, line)] ^= 1;
+          right_[index(cell, line)].push_back(along - cell);
       }
     }
   }
@@ -89,21 +98,41 @@ std::optional<TotalGrid::Place> TotalGrid::missing() {
   for (int j = 0; j <= count_; ++j) {
     for (int i = 0; i <= count_; ++i) {
       const Node& a = nodes_[index(i, j)];
-      const auto look = [&](int di, int dj, const std::vector<char>& parity,
+      const auto look = [&](int di, int dj, const std::vector<std::vector<double>>& passed,
                             std::vector<char>& given_up) -> std::optional<Place> {
         if (i + di > count_ || j + dj > count_ || given_up[index(i, j)]) return std::nullopt;
         if (unsure_[index(i, j)] || unsure_[index(i + di, j + dj)]) return std::nullopt;
         const Node& b = nodes_[index(i + di, j + dj)];
         const bool differ = (a.total >= level_) != (b.total >= level_);
-        if (differ == (parity[index(i, j)] != 0)) return std::nullopt;
+        const std::vector<double>& shares = passed[index(i, j)];
+        if (differ == (shares.size() % 2 == 1)) return std::nullopt;
         given_up[index(i, j)] = 1;
-        auto at = differ ? level_between(a, place(i, j), b, place(i + di, j + dj)) : std::nullopt;
+        auto at = level_on_edge(a, place(i, j), b, place(i + di, j + dj), shares);
         if (!at) ++undecided_;
         return at;
       };
       if (auto at = look(1, 0, right_, given_up_right_)) return at;
       if (auto at = look(0, 1, above_, given_up_above_)) return at;
     }
+  }
+  return std::nullopt;
+}
+
+// The level between two neighbouring places that arcs pass, or a node and one: it is sought where
+// the total says that one more lies between.
+std::optional<TotalGrid::Place> TotalGrid::level_on_edge(const Node& a, const Vec2& qa,
+                                                         const Node& b, const Vec2& qb,
+                                                         std::vector<double> passed) {
+  std::sort(passed.begin(), passed.end());
+  const double margin = kBesideArc * chord_ / (qb - qa).norm();
+  for (std::size_t k = 0; k <= passed.size(); ++k) {
+    const double begin = k == 0 ? 0.0 : passed[k - 1] + margin;
+    const double end = k == passed.size() ? 1.0 : passed[k] - margin;
+    if (!(begin < end)) continue;
+    const Vec2 from = qa + begin * (qb - qa), to = qa + end * (qb - qa);
+    const Node first = k == 0 ? a : node_at(from), last = k == passed.size() ? b : node_at(to);
+    if ((first.total >= level_) == (last.total >= level_)) continue;
+    if (auto at = level_between(first, from, last, to)) return at;
   }
   return std::nullopt;
 }

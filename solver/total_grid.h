@@ -37,6 +37,9 @@ class TotalGrid {
   std::size_t index(int i, int j) const { return static_cast<std::size_t>(j * (count_ + 1) + i); }
   Vec2 place(int i, int j) const;
   void doubt_nodes_near(const Vec2& a, const Vec2& b, double distance);
+  std::optional<Place> level_on_edge(const Node& a, const Vec2& qa, const Node& b, const Vec2& qb,
+                                     std::vector<double> passed);
+  Node node_at(const Vec2& q);
   std::optional<Place> level_between(Node a, Vec2 qa, Node b, Vec2 qb);
   std::optional<Place> level_in_face(const Node& a, const Vec2& qa, const Node& b, const Vec2& qb);
 
@@ -45,8 +48,9 @@ class TotalGrid {
   int count_;
   std::vector<Node> nodes_;
   double level_ = 0.0;
-  // Parity of crossings of the edges to the right of a node, and of those above it.
-  std::vector<char> right_, above_;
+  double chord_ = 0.0;
+  // Shares at which arcs pass the edge to the right of a node, and the one above it.
+  std::vector<std::vector<double>> right_, above_;
   std::vector<char>
       unsure_;  // nodes so near to an arc that its polyline may pass on the other side
   std::vector<char> given_up_right_, given_up_above_;
