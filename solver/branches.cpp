@@ -56,7 +56,8 @@ std::optional<FieldPoint> SheetCarrier::newton(int field, const FieldPoint& from
     const Vec3 step = at.pull_back(to - at.q);
     if (!step.allFinite()) return std::nullopt;
     at = evaluate.on_surface(at.x + step, at.hits.get());
-    if (!at.arrives() || !(at.a * from.a > 0.0)) return std::nullopt;
+    // Where it would end on the receiver itself it goes on smoothly, as across every edge.
+    if (!at.finite || !(at.a * from.a > 0.0)) return std::nullopt;
     const double before = left;
     left = (to - at.q).norm();
     if (i == 0 && left > kContraction * way) return std::nullopt;
