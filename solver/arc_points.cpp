@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solver/shared_edges.h"
+
 namespace caustic::solver {
 
 namespace {
@@ -151,6 +153,8 @@ std::optional<ArcPoint> along_boundary(SheetCarrier& carrier, const BoundaryCurv
     }
   }
   if (!segment.carry(at->branches, place, w)) return std::nullopt;
+  if (curve.mate >= 0) at->mate = mate_at(carrier, curve, *at->own).sheet;
+  at->mate_inside = a.mate_inside;
   at->dq *= speed;
   at->dx *= speed;
   return at;

@@ -6,6 +6,7 @@
 
 #include "solver/contour_task.h"
 #include "solver/hidden_edges.h"
+#include "solver/shared_edges.h"
 
 namespace caustic::solver {
 
@@ -16,9 +17,6 @@ constexpr int kEdgeVertices = 64;
 
 // A chart's rim is on a boundary if it is so many roundings from it.
 constexpr double kRimRoundings = 100.0;
-
-// Beside a boundary visibility is asked so far from it, as a share of the scene.
-constexpr double kOpeningStep = 1e-6;
 
 // Places on a boundary: corners of cells that were clipped there, and of those whose chart ends
 // there.
@@ -90,7 +88,8 @@ BoundaryCurves curves_along(SheetCarrier& carrier, int field, BoundaryKind kind,
 }
 
 // A caustic's own sheets are on both of its sides, so the place itself tells.
-Opening opening_at(SheetCarrier& carrier, const BoundaryCurve& curve, const FieldPoint& at) {
+Opening opening_at(SheetCarrier& carrier, const BoundaryCurve& curve, const FieldPoint& at,
+                   double share) {
   const FamilyField& field = carrier.field(curve.field);
   const auto visible = [&](const FieldPoint& f) {
     return !field.visibility ||
@@ -98,7 +97,7 @@ Opening opening_at(SheetCarrier& carrier, const BoundaryCurve& curve, const Fiel
   };
   const Vec3 inside = -curve.function(field).gradient(at).normalized();
   if (curve.kind == BoundaryKind::caustic) return {visible(at), inside};
-  const double step = kOpeningStep * carrier.system().diameter();
+  const double step = share * carrier.system().diameter();
   const auto beside = [&](double side) {
     const FieldPoint f =
         carrier.evaluator(curve.field).on_surface(at.x + side * step * inside, at.hits.get());
@@ -112,15 +111,15 @@ Opening opening_at(SheetCarrier& carrier, const BoundaryCurve& curve, const Fiel
 BoundaryCurves trace_boundaries(SheetCarrier& carrier, Budget& budget, double chord,
                                 double residual) {
   BoundaryCurves out;
+  std::vector<BoundaryCurve> of_domains;
   for (int i = 0; i < carrier.field_count(); ++i) {
     const FamilyField& field = carrier.field(i);
-    std::vector<BoundaryCurve> own;
     const auto trace = [&](LevelFunction function, BoundaryKind kind, std::vector<Seed> seeds) {
       BoundaryCurves found =
           curves_along(carrier, i, kind, function, std::move(seeds), budget, chord, residual);
       out.unresolved += found.unresolved;
       for (BoundaryCurve& curve : found.curves) {
-        if (!coincides_with_domain(field, curve)) own.push_back(std::move(curve));
+        if (!coincides_with_domain(field, curve)) of_domains.push_back(std::move(curve));
       }
     };
     Exploration exploration = field.exploration;
@@ -132,10 +131,18 @@ BoundaryCurves trace_boundaries(SheetCarrier& carrier, Budget& budget, double ch
       if (kind == BoundaryKind::receiver) continue;
       trace(LevelFunction::boundary_of(field.domain, b), kind, seeds_on(field, b));
     }
-    if (field.visibility)
-      out.unresolved += add_hidden_edges(carrier, i, own, budget, chord, residual);
+  }
+  for (int i = 0; i < carrier.field_count(); ++i) {
+    std::vector<BoundaryCurve> own;
+    std::copy_if(of_domains.begin(), of_domains.end(), std::back_inserter(own),
+                 [&](const BoundaryCurve& curve) { return curve.field == i; });
+    if (carrier.field(i).visibility) {
+      const std::vector<Point> likely = places_by_mates(carrier, i, of_domains);
+      out.unresolved += add_hidden_edges(carrier, i, likely, own, budget, chord, residual);
+    }
     std::move(own.begin(), own.end(), std::back_inserter(out.curves));
   }
+  merge_shared_edges(carrier, out.curves, chord);
   const Vec2 half = carrier.system().receiver().half;
   const Vec2 corners[4] = {
       {-half.x(), -half.y()}, {half.x(), -half.y()}, half, {-half.x(), half.y()}};

@@ -17,6 +17,7 @@ struct BoundaryCurve {
   std::vector<Vec2> q;          ///< vertices, receiver axes, m
   std::vector<FieldPoint> own;  ///< the sheet's points; empty for the receiver's edges
   std::shared_ptr<const HiddenEdge> edge = nullptr;  ///< of what hides
+  int mate = -1;  ///< field of another family's sheets that begin there too (shared_edges.h), or −1
 
   bool on_receiver_edge() const { return kind == BoundaryKind::receiver; }
   LevelFunction function(const FamilyField& f) const {
@@ -30,7 +31,10 @@ struct Opening {
   bool real;    ///< false if they are hidden there, so that nothing begins
   Vec3 inside;  ///< direction along the first surface to where they are; either way from a caustic
 };
-Opening opening_at(SheetCarrier& carrier, const BoundaryCurve& curve, const FieldPoint& at);
+/// Visibility is asked beside the curve, `share` of the scene away from it.
+constexpr double kOpeningStep = 1e-6;
+Opening opening_at(SheetCarrier& carrier, const BoundaryCurve& curve, const FieldPoint& at,
+                   double share = kOpeningStep);
 
 /// Of the report in the answer.
 BoundaryKind kind_of(Ending ending);

@@ -27,6 +27,8 @@ constexpr double kBoundaryResidual = 1e-13;
 constexpr double kContactShare = 1e-6;
 // What changes its sign is zero to this share of its values at both ends.
 constexpr double kSignShare = 1e-13;
+// Edges on the limit itself, to this share of the scene, do not pass it.
+constexpr double kNoLimit = 1e-12;
 
 class BoundaryCutter {
  public:
@@ -249,12 +251,15 @@ void BoundaryCutter::cut_caustics_at(int field, const FieldPoint& contact) {
 void BoundaryCutter::cut_at_limits(std::size_t c) {
   const BoundaryCurve& curve = curves_[c];
   const std::size_t n = curve.q.size();
+  const double nowhere = kNoLimit * carrier_.system().diameter();
   std::vector<double> before = curve.edge->limits(curve.own.front());
   for (std::size_t i = 0; i < segments(c); ++i) {
     const std::size_t next = (i + 1) % n;
     const std::vector<double> after = curve.edge->limits(curve.own[next]);
     for (std::size_t k = 0; k < after.size(); ++k) {
-      if (before[k] * after[k] >= 0.0) continue;
+      if (before[k] * after[k] >= 0.0 ||
+          std::max(std::abs(before[k]), std::abs(after[k])) <= nowhere)
+        continue;
       std::optional<BoundaryPlace> at;
       geometry::illinois_root(
           [&](double w) {

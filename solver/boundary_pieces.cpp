@@ -4,6 +4,8 @@
 #include <cmath>
 #include <iterator>
 
+#include "solver/shared_edges.h"
+
 namespace caustic::solver {
 
 using geometry::cross;
@@ -23,6 +25,18 @@ constexpr double kFoldShare = 1e-4;
 // Totals that could be followed up to this near to the end of a piece, in widths of the receiver,
 // became unbounded there.
 constexpr double kFollowedEnd = 1e-4;
+// The second look at whether an edge is one is taken from so far, as a share of the scene.
+constexpr double kSlit = 1e-9;
+
+// The vertex next to half of the length, not an end.
+std::size_t middle_of(const std::vector<BoundaryPlace>& places) {
+  std::vector<double> length{0.0};
+  for (std::size_t i = 1; i < places.size(); ++i)
+    length.push_back(length.back() + (places[i].q - places[i - 1].q).norm());
+  const auto half = std::lower_bound(length.begin(), length.end(), 0.5 * length.back());
+  const auto i = static_cast<std::size_t>(half - length.begin());
+  return std::clamp<std::size_t>(i, 1, places.size() - 2);
+}
 
 class PieceMaker {
  public:
@@ -47,9 +61,11 @@ class PieceMaker {
   }
   void split(std::size_t c, const std::vector<Cut>& cuts);
   void finish(std::size_t c, bool closed, std::vector<BoundaryPlace> places);
+  Opening opening_on(const BoundaryCurve& curve, const BoundaryPlace& at);
   bool inside_left(const BoundaryCurve& curve, const BoundaryPlace& a, const BoundaryPlace& b,
                    const Vec3& inside);
-  BoundaryVertex begin(const BoundaryCurve& curve, const BoundaryPlace& at);
+  bool mate_left(const BoundaryCurve& curve, const BoundaryPlace& a, const Vec2& along);
+  BoundaryVertex begin(const BoundaryCurve& curve, const BoundaryPlace& at, bool mate_inside);
   bool follow(const BoundaryCurve& curve, const BoundaryVertex& from, const BoundaryPlace& to,
               int depth, std::vector<BoundaryVertex>& out);
   std::vector<BoundaryVertex> follow_all(const BoundaryCurve& curve, const BoundaryVertex& first,
@@ -119,15 +135,21 @@ bool PieceMaker::inside_left(const BoundaryCurve& curve, const BoundaryPlace& a,
   return cross(along, p.q + m.q - 2.0 * f.q) > 0.0;
 }
 
+// And the mate's?
+bool PieceMaker::mate_left(const BoundaryCurve& curve, const BoundaryPlace& a, const Vec2& along) {
+  const Mate mate = mate_at(carrier_, curve, a.own);
+  return cross(along, mate.sheet.at.push_forward(mate.inside)) > 0.0;
+}
+
 // Vertices after `from` up to `to`, more where the total varies strongly. False where the sheets
 // cannot be carried further.
 bool PieceMaker::follow(const BoundaryCurve& curve, const BoundaryVertex& from,
                         const BoundaryPlace& to, int depth, std::vector<BoundaryVertex>& out) {
-  BoundaryVertex next{to, from.others};
+  BoundaryVertex next{to, from.others, std::nullopt, from.mate_inside};
   const bool carried = carrier_.carry(next.others, to.q);
   bool smooth = false;
   if (carried) {
-    complete_totals(curve, next);
+    complete_totals(carrier_, curve, next);
     const Total before = total_of(from.others), after = total_of(next.others);
     const double said = 0.5 * (before.gradient + after.gradient).dot(to.q - from.at.q);
     smooth = std::abs(after.E - before.E - said) <= kTotalShare * after.E;
@@ -156,16 +178,20 @@ std::vector<BoundaryVertex> PieceMaker::follow_all(const BoundaryCurve& curve,
     const Vec2& reached = out.empty() ? first.at.q : out.back().at.q;
     result_.unresolved += (places.back().q - reached).norm() > kFollowedEnd * width_;
     const double outside = curve.on_receiver_edge() ? 0.0 : geometry::kInfinity;
-    out.push_back({places.back(), {}, outside, geometry::kInfinity, false});
+    out.push_back({places.back(), {}, {}, first.mate_inside, outside, geometry::kInfinity, false});
     break;
   }
   return out;
 }
 
-BoundaryVertex PieceMaker::begin(const BoundaryCurve& curve, const BoundaryPlace& at) {
-  BoundaryVertex first{at, carrier_.find(at.q)};
+BoundaryVertex PieceMaker::begin(const BoundaryCurve& curve, const BoundaryPlace& at,
+                                 bool mate_inside) {
+  BoundaryVertex first{at, carrier_.find(at.q), std::nullopt, mate_inside};
   const double diameter = carrier_.system().diameter();
+  complete_totals(carrier_, curve, first);
   std::erase_if(first.others, [&](const Branch& b) {
+    if (first.mate && b.field == first.mate->field)
+      return (b.at.x - first.mate->at.x).norm() <= kOwnSheet * diameter;
     if (b.field != curve.field) return false;
     const double apart = (b.at.x - at.own.x).norm();
     // Next to a caustic both sheets of the fold may have been found.
@@ -174,8 +200,17 @@ BoundaryVertex PieceMaker::begin(const BoundaryCurve& curve, const BoundaryPlace
                       apart <= kFoldSheet * diameter;
     return apart <= kOwnSheet * diameter || fold;
   });
-  complete_totals(curve, first);
+  complete_totals(carrier_, curve, first);
   return first;
+}
+
+// Where edges touch each other, what is hidden beyond is a slit next to the contact: a second look
+// from nearer by.
+Opening PieceMaker::opening_on(const BoundaryCurve& curve, const BoundaryPlace& at) {
+  const Opening opening = opening_at(carrier_, curve, at.own);
+  if (!opening.real || !curve.edge) return opening;
+  const auto settled = settle_on(carrier_, curve, at);
+  return settled ? opening_at(carrier_, curve, settled->own, kSlit) : opening;
 }
 
 // From the middle to both ends, the inside on the left.
@@ -192,9 +227,9 @@ void PieceMaker::finish(std::size_t c, bool closed, std::vector<BoundaryPlace> p
     }
     places.insert(places.begin() + 1, *at);
   }
-  const std::size_t middle = places.size() / 2;
+  const std::size_t middle = middle_of(places);
   if (!curve.on_receiver_edge()) {
-    const Opening opening = opening_at(carrier_, curve, places[middle].own);
+    const Opening opening = opening_on(curve, places[middle]);
     if (!opening.real) return;
     const bool ahead = middle + 1 < places.size();
     const std::size_t other = ahead ? middle + 1 : middle - 1;
@@ -202,7 +237,9 @@ void PieceMaker::finish(std::size_t c, bool closed, std::vector<BoundaryPlace> p
       std::reverse(places.begin(), places.end());
   }
   const auto start = places.begin() + static_cast<std::ptrdiff_t>(places.size() / 2);
-  BoundaryVertex first = begin(curve, *start);
+  const bool mate_inside =
+      curve.mate < 0 || mate_left(curve, *start, (start + 1)->q - (start - 1)->q);
+  BoundaryVertex first = begin(curve, *start, mate_inside);
   auto back = follow_all(curve, first, {std::make_reverse_iterator(start), places.rend()});
   auto front = follow_all(curve, first, {start + 1, places.end()});
   BoundaryPiece piece{static_cast<int>(c), closed, {}};
@@ -214,7 +251,8 @@ void PieceMaker::finish(std::size_t c, bool closed, std::vector<BoundaryPlace> p
 
 }  // namespace
 
-void complete_totals(const BoundaryCurve& curve, BoundaryVertex& v) {
+void complete_totals(SheetCarrier& carrier, const BoundaryCurve& curve, BoundaryVertex& v) {
+  if (curve.mate >= 0) v.mate = mate_at(carrier, curve, v.at.own).sheet;
   const double others = total_of(v.others).E;
   v.outside = curve.on_receiver_edge() ? 0.0 : others;
   if (curve.on_receiver_edge())
@@ -223,6 +261,14 @@ void complete_totals(const BoundaryCurve& curve, BoundaryVertex& v) {
     v.inside = geometry::kInfinity;
   else
     v.inside = others + std::max(0.0, v.at.own.irradiance());
+  if (v.mate) (v.mate_inside ? v.inside : v.outside) += std::max(0.0, v.mate->at.irradiance());
+}
+
+Branches branches_on(const BoundaryCurve& curve, const BoundaryVertex& v, bool inside) {
+  Branches all = v.others;
+  if (inside && !curve.on_receiver_edge()) all.push_back({curve.field, v.at.own});
+  if (v.mate && v.mate_inside == inside) all.push_back(*v.mate);
+  return all;
 }
 
 BoundaryPieces cut_boundaries(SheetCarrier& carrier, const std::vector<BoundaryCurve>& curves,

@@ -7,17 +7,22 @@
 
 namespace caustic::solver {
 
-/// A place with all sheets but the one, or the pair, that ends there.
+/// A place with all sheets but those that end there: the curve's own, or a pair of them, and its
+/// mate's.
 struct BoundaryVertex {
   BoundaryPlace at;
   Branches others;
+  std::optional<Branch> mate = std::nullopt;
+  bool mate_inside = true;  ///< the mate is on the side of the curve's own sheets
   double outside = 0.0;  ///< total without the sheets that end here, W/m²; ∞ where it is unbounded
   double inside = 0.0;   ///< total with them
   bool followed = true;  ///< false next to a caustic, where `others` is empty and totals unbounded
 };
 
-/// Fills in both totals.
-void complete_totals(const BoundaryCurve& curve, BoundaryVertex& v);
+/// Fills in the mate and both totals.
+void complete_totals(SheetCarrier& carrier, const BoundaryCurve& curve, BoundaryVertex& v);
+/// All sheets of one side, not of a caustic's inside.
+Branches branches_on(const BoundaryCurve& curve, const BoundaryVertex& v, bool inside);
 
 /// Runs with the inside, where its sheets are, on the left (u right, v up).
 struct BoundaryPiece {

@@ -46,6 +46,7 @@ struct ContourRequest {
   double min_flux_share = 1e-6;
   LevelRequest levels;
   Measure measure = Measure::sheet;
+  bool direct = false;          ///< add the light that comes straight from the source to the total
   bool sheets_instead = false;  ///< trace sheets, with a warning, where totals are not supported
   bool isolux = true;
   bool caustic = true;

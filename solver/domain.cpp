@@ -25,7 +25,9 @@ double Domain::value(int i, const FieldPoint& f) const {
   const auto& receiver = map_.receiver();
   switch (i - bound_count()) {
     case 0: return -f.cos_alpha * receiver.width();
-    case 1: return std::copysign(1.0, f.facing) * receiver.m.dot(last(f) - receiver.origin);
+    case 1:
+      if (map_.hop_count() == 0) return -geometry::kInfinity;  // x is on it
+      return std::copysign(1.0, f.facing) * receiver.m.dot(last(f) - receiver.origin);
     case 2: return -f.q.x() - receiver.half.x();
     case 3: return f.q.x() - receiver.half.x();
     case 4: return -f.q.y() - receiver.half.y();
@@ -46,6 +48,7 @@ Vec3 Domain::gradient(int i, const FieldPoint& f) const {
   switch (i - bound_count()) {
     case 0: return -f.grad_cos * receiver.width();
     case 1: {
+      if (map_.hop_count() == 0) return Vec3::Zero();
       if (map_.hop_count() == 1) return std::copysign(1.0, f.facing) * receiver.m;
       const Hit& hit = f.hits[map_.hop_count() - 1];
       return std::copysign(1.0, f.facing) *

@@ -40,7 +40,7 @@ class Domain {
     if (i < bound_count()) return Slope::of_place;
     if (i == bound_count() || i >= first_later()) return Slope::unknown;
     if (i > bound_count() + 1) return Slope::of_image;
-    return map_.hop_count() == 1 ? Slope::of_place : Slope::unknown;
+    return map_.hop_count() <= 1 ? Slope::of_place : Slope::unknown;
   }
   Ending ending(int i) const;
   /// True for the ball in which unbounded surfaces exist.

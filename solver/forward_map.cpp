@@ -31,6 +31,8 @@ ForwardMap::ForwardMap(const OpticalSystem& system, const Hops& hops)
     if (optics.constant_share()) strength_ *= optics.share(hops_[j].side, 1.0).value;
   }
   to_receiver_ << receiver().u.transpose(), receiver().v.transpose(), receiver().m.transpose();
+  side_ =
+      hops.empty() ? (receiver().m.dot(incident(receiver().origin)) < 0.0 ? 1 : -1) : hops[0].side;
 }
 
 Vec3 ForwardMap::incident(const Point& x) const {
@@ -143,6 +145,17 @@ namespace {
 Vec3 along(const FieldPoint& f, double s, double t) { return s * f.e1 + t * f.e2; }
 
 }  // namespace
+
+// The direct light (S80): x itself is on the receiver, and M an isometry.
+void ForwardMap::arrive_at_once(const Start& start, FieldPoint& f) const {
+  f.lambda = 1.0;
+  f.facing = receiver().m.dot(start.d);
+  f.q = (to_receiver_ * (f.x - receiver().origin)).head<2>();
+  f.q_s = (to_receiver_ * f.e1).head<2>();
+  f.q_t = (to_receiver_ * f.e2).head<2>();
+  f.a = side_;
+  f.grad_a = Vec3::Zero();
+}
 
 // One mirror. Receiver axes throughout; for quadrics the second derivatives of N are multiples of
 // Hĝ/|∇g|, others add the third derivative.
@@ -315,7 +328,9 @@ FieldPoint ForwardMap::evaluate(const Point& x, const Hit* near) const {
   f.flux = falloff * f.cos_alpha;
   f.grad_flux = along(f, flux_s, flux_t);
 
-  if (single_mirror_) {
+  if (hops_.empty()) {
+    arrive_at_once(start, f);
+  } else if (single_mirror_) {
     reflect_once(start, f);
   } else if (!pass_all_hops(start, near, f)) {
     return f;

@@ -76,7 +76,8 @@ struct FieldPoint {
   }
 };
 
-/// A family of hops. The system must outlive the map.
+/// A family of hops. The system must outlive the map. Without hops it is the direct light (S80):
+/// then the receiver's plane is the first surface, and x the point of arrival.
 class ForwardMap {
  public:
   ForwardMap(const OpticalSystem& system, const Hops& hops);
@@ -89,11 +90,12 @@ class ForwardMap {
   int hop_count() const { return static_cast<int>(hops_.size()); }
   const SystemSurface& surface(int hop) const { return system_->surfaces()[hops_[hop].surface]; }
   /// The first surface: curves live on it.
-  const SystemSurface& mirror() const { return surface(0); }
+  const SystemSurface& mirror() const {
+    return hops_.empty() ? system_->receiver_plane() : surface(0);
+  }
   const geometry::Surface& shape() const { return *mirror().shape; }
   const geometry::ReceiverFrame& receiver() const { return system_->receiver(); }
-  int surface_index() const { return hops_[0].surface; }
-  int side() const { return hops_[0].side; }
+  int side() const { return side_; }
 
   /// Everything, in closed form. x need not lie on the surface exactly: then the level surface of g
   /// through x takes its place. Later hits are those next to the hits `near`, if given.
@@ -108,7 +110,7 @@ class ForwardMap {
   NearMiss near_miss(const Point& x) const;
 
   /// True if a path may end before the receiver: missing a surface, or by total reflection.
-  bool paths_may_end() const { return !single_mirror_; }
+  bool paths_may_end() const { return !single_mirror_ && !hops_.empty(); }
   /// ρI, W/sr, or ρE_b, W/m², with the constant factors of ρ.
   double strength() const { return strength_; }
   /// Unnormalised direction of the light at x (d of NOTATION.md).
@@ -126,12 +128,14 @@ class ForwardMap {
 
  private:
   struct Start;
+  void arrive_at_once(const Start& start, FieldPoint& f) const;
   void reflect_once(const Start& start, FieldPoint& f) const;
   std::optional<double> hit_after(int hop, const geometry::Ray& ray, const double* guess) const;
   bool pass_all_hops(const Start& start, const Hit* near, FieldPoint& f) const;
 
   const OpticalSystem* system_;
   Hops hops_;
+  int side_;            // of the first surface
   bool single_mirror_;  // no later hop, ρ constant
   bool point_source_;
   bool quadratic_;      // third derivatives of the first g vanish

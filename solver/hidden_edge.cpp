@@ -134,20 +134,31 @@ const HiddenEdge::State& HiddenEdge::solve(const FieldPoint& f) const {
   return last_;
 }
 
+// Along the segment g has a minimum on the side where it is positive.
+int HiddenEdge::side(const FieldPoint& f) const {
+  const Point a = point_of_path(f, hiding_.segment).at;
+  const Vec3 D = point_of_path(f, hiding_.segment + 1).at - a;
+  const auto d = blocker().shape->derivatives(place(f));
+  const double g_rises =
+      hiding_.kind == Hiding::Kind::touch ? D.dot(d.hessian * D) : -d.gradient.dot(D);
+  return g_rises > 0.0 ? 1 : -1;
+}
+
 std::vector<double> HiddenEdge::limits(const FieldPoint& f) const {
   const State& state = solve(f);
   std::vector<double> all;
   for (const geometry::Bound& bound : blocker().bounds) {
     if (&bound != hiding_.bound) all.push_back(bound.value(state.y));
   }
-  if (hiding_.kind == Hiding::Kind::point) return all;
-  all.push_back(state.t);
-  all.push_back(1.0 - state.t);
-  if (hiding_.kind == Hiding::Kind::rim) {
+  const Vec3 D = point_of_path(f, hiding_.segment + 1).at - point_of_path(f, hiding_.segment).at;
+  if (hiding_.kind != Hiding::Kind::point) {
+    all.push_back(state.t * D.norm());
+    all.push_back((1.0 - state.t) * D.norm());
+  }
+  if (hiding_.kind != Hiding::Kind::touch) {
     Vec3 slope;
     blocker().shape->value_gradient(state.y, slope);
-    const Point a = point_of_path(f, hiding_.segment).at;
-    all.push_back(slope.dot(point_of_path(f, hiding_.segment + 1).at - a));
+    all.push_back(slope.dot(D));
   }
   return all;
 }

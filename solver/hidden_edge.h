@@ -46,8 +46,13 @@ class HiddenEdge {
   double value(const FieldPoint& f) const { return solve(f).h; }
   /// ∇h along the first surface.
   Vec3 gradient(const FieldPoint& f) const { return solve(f).gradient; }
-  /// Functions that change their sign where the edge stops being one: the other bounds of the
-  /// aperture, the ends of the segment, and on a rim where the segment touches the surface.
+  /// Where on the surface.
+  const Point& place(const FieldPoint& f) const { return solve(f).y; }
+  /// The side of the surface, ±1, on which the segment passes a touch, or ends at a point.
+  int side(const FieldPoint& f) const;
+  /// Functions, m, that change their sign where the edge stops being one: the other bounds of the
+  /// aperture, the ends of the segment, and on a rim or a point where the segment touches the
+  /// surface.
   std::vector<double> limits(const FieldPoint& f) const;
 
  private:

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "solver/corrector.h"
+#include "solver/shadow_places.h"
 
 namespace caustic::solver {
 
@@ -18,6 +19,10 @@ constexpr double kCornerPlace = 1e-6;
 constexpr int kCornerSteps = 60;
 constexpr double kCircle = 30.0;
 constexpr int kCirclePlaces = 24;
+// Edges like to lie along the axes, on which no place must be.
+constexpr double kCircleOffset = 0.28;
+// Edges that others say are there reach at least so far, in widths of the receiver.
+constexpr double kLikelyReach = 0.02;
 // An edge is kept so many chord tolerances beyond its corners.
 constexpr double kOverhang = 4.0;
 // What an edge remembers lies this share of the cell that it was found in apart.
@@ -72,8 +77,11 @@ class HiddenEdgeFinder {
         residual_(residual),
         diameter_(carrier.system().diameter()) {}
 
-  std::size_t run() {
+  std::size_t run(const std::vector<Point>& likely) {
     add_brackets_of_cells();
+    if (field_.piece.hops.empty()) add_brackets_of_shadows();
+    const double reach = kLikelyReach * carrier_.system().receiver().width();
+    for (const Point& x : likely) add_brackets_around(evaluate_.on_surface(x), reach);
     for (const BoundaryCurve& curve : curves_) walk({curve, {}, false});
     for (std::size_t b = 0; b < brackets_.size() && !budget_.exhausted(); ++b) {
       take(Bracket(brackets_[b]));
@@ -89,7 +97,8 @@ class HiddenEdgeFinder {
     return field_.visibility->hidden(field_.piece.hops, LightPath(field_.map, f));
   }
   void add_brackets_of_cells();
-  void add_brackets_around(const FieldPoint& corner);
+  void add_brackets_of_shadows();
+  void add_brackets_around(const FieldPoint& corner, double reach);
   Walked walk(Walked edge);
   void find_corner(const BoundaryCurve& curve, FieldPoint a, FieldPoint b, bool real_at_a);
   void keep_real(const Walked& edge);
@@ -139,12 +148,35 @@ void HiddenEdgeFinder::add_brackets_of_cells() {
   }
 }
 
+// Of the direct light: what a surface hides however small it is, and the nearest place that it does
+// not.
+void HiddenEdgeFinder::add_brackets_of_shadows() {
+  std::vector<const FieldPoint*> seen;
+  for (const Cell& cell : field_.exploration.cells) {
+    const FieldPoint& f = field_.exploration.samples[cell.center];
+    if (cell.hidden < 1.0 && field_.domain.contains(f) && !hidden(f)) seen.push_back(&f);
+  }
+  if (seen.empty()) return;
+  for (const auto& places : places_behind_surfaces(carrier_.system())) {
+    for (const Point& x : places) {
+      FieldPoint f = evaluate_.on_surface(x);
+      if (!hidden(f)) continue;
+      const auto nearest = *std::min_element(
+          seen.begin(), seen.end(), [&](const FieldPoint* a, const FieldPoint* b) {
+            return (a->x - x).squaredNorm() < (b->x - x).squaredNorm();
+          });
+      brackets_.push_back({*nearest, f, (nearest->x - x).norm()});
+      break;
+    }
+  }
+}
+
 // A small circle about a corner is met by the edges that leave it.
-void HiddenEdgeFinder::add_brackets_around(const FieldPoint& corner) {
+void HiddenEdgeFinder::add_brackets_around(const FieldPoint& corner, double reach) {
   const double radius = kCircle * kCornerPlace * diameter_;
   std::vector<std::pair<FieldPoint, bool>> circle;  // hidden or not
   for (int k = 0; k <= kCirclePlaces; ++k) {
-    const double phi = 2.0 * geometry::kPi * k / kCirclePlaces;
+    const double phi = 2.0 * geometry::kPi * (k + kCircleOffset) / kCirclePlaces;
     const Vec3 step = radius * (std::cos(phi) * corner.e1 + std::sin(phi) * corner.e2);
     FieldPoint f = evaluate_.on_surface(corner.x + step, corner.hits.get());
     if (!f.lit() || !field_.domain.contains(f)) {
@@ -154,7 +186,7 @@ void HiddenEdgeFinder::add_brackets_around(const FieldPoint& corner) {
     const bool is_hidden = hidden(f);
     if (!circle.empty() && circle.back().second != is_hidden) {
       const FieldPoint& before = circle.back().first;
-      brackets_.push_back(is_hidden ? Bracket{before, f, radius} : Bracket{f, before, radius});
+      brackets_.push_back(is_hidden ? Bracket{before, f, reach} : Bracket{f, before, reach});
     }
     circle.assign(1, {std::move(f), is_hidden});
   }
@@ -181,7 +213,7 @@ void HiddenEdgeFinder::find_corner(const BoundaryCurve& curve, FieldPoint a, Fie
     if (!middle) break;
     (opening_at(carrier_, curve, *middle).real == real_at_a ? a : b) = *middle;
   }
-  add_brackets_around(a);
+  add_brackets_around(a, kCircle * kCornerPlace * diameter_);
 }
 
 // Runs of vertices at which the edge is real, with as much more at either end that corners are on
@@ -286,13 +318,18 @@ std::vector<std::shared_ptr<HiddenEdge>> HiddenEdgeFinder::candidates(
       if (edge->value(bracket.visible) * edge->value(bracket.hidden) <= 0.0)
         all.push_back(std::move(edge));
     };
+    const auto add_points = [&] {
+      for (const int k : {m.segment, m.segment + 1}) {
+        if (k == 0 || (k < last && hops[k - 1].surface == m.surface)) continue;
+        add({Hiding::Kind::point, m.segment, m.surface, nullptr, k});
+      }
+    };
+    // A rim may lie on the receiver, and is where the surface meets it then.
+    if (hops.empty()) add_points();
     for (const auto& bound : surfaces[m.surface].bounds)
       add({Hiding::Kind::rim, m.segment, m.surface, &bound});
     add({Hiding::Kind::touch, m.segment, m.surface});
-    for (const int k : {m.segment, m.segment + 1}) {
-      if (k == 0 || (k < last && hops[k - 1].surface == m.surface)) continue;
-      add({Hiding::Kind::point, m.segment, m.surface, nullptr, k});
-    }
+    if (!hops.empty()) add_points();
   }
   return all;
 }
@@ -331,9 +368,10 @@ void HiddenEdgeFinder::take(Bracket bracket) {
 
 }  // namespace
 
-std::size_t add_hidden_edges(SheetCarrier& carrier, int field, std::vector<BoundaryCurve>& curves,
-                             Budget& budget, double chord, double residual) {
-  return HiddenEdgeFinder(carrier, field, curves, budget, chord, residual).run();
+std::size_t add_hidden_edges(SheetCarrier& carrier, int field, const std::vector<Point>& likely,
+                             std::vector<BoundaryCurve>& curves, Budget& budget, double chord,
+                             double residual) {
+  return HiddenEdgeFinder(carrier, field, curves, budget, chord, residual).run(likely);
 }
 
 }  // namespace caustic::solver

@@ -40,6 +40,11 @@ OpticalSystem OpticalSystem::build(Light light, std::vector<SystemSurface> surfa
       include(scene, receiver.point({i * receiver.half.x(), j * receiver.half.y()}));
     }
   }
+  system.receiver_plane_ = {"receiver",
+                            geometry::make_plane(receiver.origin, receiver.m),
+                            {},
+                            {Optics::Kind::absorb},
+                            scene};
   if (const auto* point = std::get_if<PointLight>(&light)) include(scene, point->position);
   for (SystemSurface& surface : surfaces) {
     for (const auto& bound : surface.shape->own_bounds()) surface.bounds.push_back(bound);

@@ -39,6 +39,9 @@ class OpticalSystem {
   const Light& light() const { return light_; }
   const std::vector<SystemSurface>& surfaces() const { return surfaces_; }
   const geometry::ReceiverFrame& receiver() const { return receiver_; }
+  /// The receiver's plane, g < 0 on the side of −m; its region is the window. It is none of the
+  /// surfaces: it blocks nothing, and light ends there.
+  const SystemSurface& receiver_plane() const { return receiver_plane_; }
   /// Diameter of {receiver, bounded surfaces, point light}: the scale of the scene.
   double diameter() const { return diameter_; }
   const geometry::Point& center() const { return center_; }
@@ -47,6 +50,7 @@ class OpticalSystem {
   Light light_;
   std::vector<SystemSurface> surfaces_;
   geometry::ReceiverFrame receiver_;
+  SystemSurface receiver_plane_;
   geometry::Point center_;
   double diameter_ = 0.0;
 };

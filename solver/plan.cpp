@@ -133,6 +133,7 @@ bool others_in_the_way(const OpticalSystem& system, const Hops& hops) {
 
 // Light reflected off a convex surface, and light through it, in and out.
 bool leaves_convex_surface(const OpticalSystem& system, const Hops& hops) {
+  if (hops.empty()) return true;
   const SystemSurface& surface = system.surfaces()[hops[0].surface];
   if (hops.size() == 1 && surface.optics.kind == Optics::Kind::mirror) {
     return surface.shape->convex(hops[0].side);
@@ -145,6 +146,17 @@ bool may_be_hidden(const OpticalSystem& system, const Hops& hops) {
   return !leaves_convex_surface(system, hops) || others_in_the_way(system, hops);
 }
 
+// Light in the receiver's plane does not light it.
+bool lights_receiver(const OpticalSystem& system) {
+  const auto& receiver = system.receiver();
+  if (const auto* point = std::get_if<PointLight>(&system.light())) {
+    const double height = receiver.m.dot(point->position - receiver.origin);
+    return std::abs(height) > kOnSurfaceShare * system.diameter();
+  }
+  const auto& beam = std::get<CollimatedLight>(system.light());
+  return std::abs(receiver.m.dot(beam.direction)) > kOnSurfaceShare;
+}
+
 std::vector<Hops> pieces_of(const OpticalSystem& system, const std::vector<int>& family, int side) {
   if (family.size() == 1) return {{{family[0], side}}};
   return sides_of(system, family, side);
@@ -153,7 +165,7 @@ std::vector<Hops> pieces_of(const OpticalSystem& system, const std::vector<int>&
 }  // namespace
 
 Plan make_plan(const OpticalSystem& system, const std::vector<std::vector<int>>& families,
-               const std::set<std::string>& no_skip) {
+               bool direct, const std::set<std::string>& no_skip) {
   Plan plan;
   int dark_sides = 0, unhidden = 0;
   for (int family = 0; family < static_cast<int>(families.size()); ++family) {
@@ -176,6 +188,10 @@ Plan make_plan(const OpticalSystem& system, const std::vector<std::vector<int>>&
                                              (dark_sides == 1 ? " side" : " sides") +
                                              " of surfaces that no light can reach"});
   }
+  if (direct && lights_receiver(system)) {
+    const bool needed = may_be_hidden(system, {}) || no_skip.count("visibility") > 0;
+    plan.direct = PlannedPiece{kDirectFamily, {}, needed};
+  }
   bool quadrics = !plan.pieces.empty();
   for (const PlannedPiece& piece : plan.pieces) {
     for (const Hop& hop : piece.hops) {
@@ -187,7 +203,7 @@ Plan make_plan(const OpticalSystem& system, const std::vector<std::vector<int>>&
                             "all surfaces are planes or quadrics, whose third "
                             "derivatives vanish"});
   }
-  bool visibility = false;
+  bool visibility = plan.direct && plan.direct->visibility;
   for (const PlannedPiece& piece : plan.pieces) visibility |= piece.visibility;
   if (unhidden > 0 && !no_skip.count("visibility")) {
     const bool alone = system.surfaces().size() == 1;

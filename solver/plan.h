@@ -2,6 +2,7 @@
 // hidden, whether Embree pays. What is left out is named, with the reason.
 #pragma once
 
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -10,6 +11,9 @@
 #include "solver/hop.h"
 
 namespace caustic::solver {
+
+/// Of the direct light, which is no family that was asked for.
+constexpr int kDirectFamily = -1;
 
 /// One family, with the side from which light comes to each of its surfaces.
 struct PlannedPiece {
@@ -20,13 +24,14 @@ struct PlannedPiece {
 
 struct Plan {
   std::vector<PlannedPiece> pieces;
+  std::optional<PlannedPiece> direct;  ///< if asked for, and if it falls on the receiver at all
   bool embree = false;
   std::vector<Skipped> skipped;
 };
 
-/// `families` by surface index. Stages named in `no_skip` run in any case:
+/// `families` by surface index, and the direct light. Stages named in `no_skip` run in any case:
 /// "dark_side", "visibility", "embree".
 Plan make_plan(const OpticalSystem& system, const std::vector<std::vector<int>>& families,
-               const std::set<std::string>& no_skip);
+               bool direct, const std::set<std::string>& no_skip);
 
 }  // namespace caustic::solver

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "solver/itineraries.h"
+#include "solver/plan.h"
 
 namespace caustic::solver {
 
@@ -16,9 +17,8 @@ constexpr double kCausticShare = 1e-7;
 
 LightMeter::LightMeter(const OpticalSystem& system, const std::vector<Family>& families,
                        bool direct)
-    : system_(system),
-      direct_(direct),
-      families_(families.empty() ? families_up_to(system, 1) : families) {
+    : system_(system), families_(families.empty() ? families_up_to(system, 1) : families) {
+  if (direct) direct_.emplace(system, Hops{});
   for (const Family& family : families_) finders_.emplace_back(system, family, system.light());
 }
 
@@ -38,8 +38,7 @@ const ForwardMap& LightMeter::map_of(int family, const std::vector<Point>& hits)
 
 PointIrradiance LightMeter::at(const Vec2& q) {
   PointIrradiance sum;
-  const auto& receiver = system_.receiver();
-  const Point p = receiver.point(q);
+  const Point p = system_.receiver().point(q);
   for (int id = 0; id < static_cast<int>(families_.size()); ++id) {
     auto answer = finders_[id].to(p);
     sum.on_caustic |= answer.undecided > 0;
@@ -50,12 +49,7 @@ PointIrradiance LightMeter::at(const Vec2& q) {
         sum.on_caustic = true;
         continue;
       }
-      const Vec2 slope = f.irradiance_gradient();
-      const Vec3 gradient = slope.x() * receiver.u + slope.y() * receiver.v;
-      sum.E += f.irradiance();
-      sum.gradient += gradient;
-      sum.sheets.push_back(
-          {id, f.a > 0.0 ? 1 : -1, f.irradiance(), gradient, std::move(way.path.x)});
+      add(id, f, std::move(way.path.x), sum);
     }
   }
   if (direct_) add_direct(p, sum);
@@ -66,26 +60,33 @@ PointIrradiance LightMeter::at(const Vec2& q) {
   return sum;
 }
 
-// I |m·d|/|d|³ of a point source, E_b |m·ω| of a beam, unless something stands in the way.
-void LightMeter::add_direct(const Point& p, PointIrradiance& sum) const {
+// One sheet more.
+void LightMeter::add(int family, const FieldPoint& f, std::vector<Point> hits,
+                     PointIrradiance& sum) const {
   const auto& receiver = system_.receiver();
+  const Vec2 slope = f.irradiance_gradient();
+  const Vec3 gradient = slope.x() * receiver.u + slope.y() * receiver.v;
+  sum.E += f.irradiance();
+  sum.gradient += gradient;
+  sum.sheets.push_back(
+      {family, f.a > 0.0 ? 1 : -1, f.irradiance(), gradient, f.x, std::move(hits)});
+}
+
+// Unless something stands in the way.
+void LightMeter::add_direct(const Point& p, PointIrradiance& sum) const {
+  const FieldPoint f = direct_->evaluate(p);
+  if (!f.finite || !(f.flux > 0.0)) return;
+  Point from;
   if (const auto* point = std::get_if<PointLight>(&system_.light())) {
-    const Vec3 d = p - point->position;
-    const double dd = d.squaredNorm();
-    if (!(dd > 0.0) || segment_hidden(system_, point->position, -1, p, -1)) return;
-    const double E = point->intensity * std::abs(receiver.m.dot(d)) / (dd * std::sqrt(dd));
-    sum.E += E;
-    sum.gradient -=
-        3.0 * E / dd * (d.dot(receiver.u) * receiver.u + d.dot(receiver.v) * receiver.v);
+    from = point->position;
   } else {
-    const auto& beam = std::get<CollimatedLight>(system_.light());
     double reach = 0.0;
     for (const auto& s : system_.surfaces()) {
       reach = std::max(reach, (s.region.center() - p).norm() + s.region.diagonal());
     }
-    if (segment_hidden(system_, p - reach * beam.direction, -1, p, -1)) return;
-    sum.E += beam.irradiance * std::abs(receiver.m.dot(beam.direction));
+    from = p - reach * direct_->incident(p);
   }
+  if (!segment_hidden(system_, from, -1, p, -1)) add(kDirectFamily, f, {}, sum);
 }
 
 }  // namespace caustic::solver

@@ -4,6 +4,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "solver/find_paths.h"
@@ -13,10 +14,11 @@ namespace caustic::solver {
 
 /// Light by one path.
 struct SheetIrradiance {
-  int family_id;
+  int family_id;  ///< kDirectFamily: straight from the source
   int parity;     ///< sign of a
   double E;       ///< W/m²
   Vec3 gradient;  ///< ∇E along the receiver, world axes, W/m³
+  Point x;        ///< where it comes first: its first hit, or the place itself
   std::vector<Point> hits;
 };
 
@@ -39,10 +41,11 @@ class LightMeter {
 
  private:
   const ForwardMap& map_of(int family, const std::vector<Point>& hits);
+  void add(int family, const FieldPoint& f, std::vector<Point> hits, PointIrradiance& sum) const;
   void add_direct(const Point& p, PointIrradiance& sum) const;
 
   const OpticalSystem& system_;
-  bool direct_;
+  std::optional<ForwardMap> direct_;
   std::vector<Family> families_;
   std::vector<PathFinder> finders_;
   std::map<std::pair<int, Hops>, std::unique_ptr<ForwardMap>> maps_;

@@ -82,7 +82,12 @@ RegionIntegrator::Density RegionIntegrator::boundary_density(const ArcPoint& at,
   if (count.others) {
     for (const Branch& b : at.branches) add_sheet(b, b.at.pull_back(at.dq), sum);
   }
-  if (count.own) add_sheet({field, *at.own}, at.dx, sum);
+  if (count.inside) add_sheet({field, *at.own}, at.dx, sum);
+  // The boundary runs with its inside on the left.
+  if (at.mate && (at.mate_inside ? count.inside : count.outside)) {
+    const Vec3 dx = at.mate->at.pull_back(at.dq);
+    add_sheet(*at.mate, at.mate_inside ? dx : Vec3(-dx), sum);
+  }
   if (count.area) {
     sum[kArea] = 0.5 * (at.q.x() * at.dq.y() - at.q.y() * at.dq.x());
     sum.segment<2>(kClosing) = at.dq;
@@ -141,7 +146,7 @@ RegionIntegrals RegionIntegrator::all(const BoundaryPieces& pieces) {
     if (curve.kind == BoundaryKind::caustic) continue;
     const bool edge = curve.on_receiver_edge();
     // A closed piece repeats its first vertex.
-    add(curve, piece.vertices, false, {edge, !edge, edge});
+    add(curve, piece.vertices, false, {edge, !edge, !edge, edge});
   }
   const RegionIntegrals all = result(pieces.unresolved);
   unsure_ = pieces.unresolved + all.unresolved > 0;
@@ -157,12 +162,12 @@ void RegionIntegrator::begin(double level, const LevelOnBoundaries& found) {
   for (const JumpArc& jump : found.jumps) {
     const BoundaryCurve& curve = curves_[jump.curve];
     const bool ends = curve.kind != BoundaryKind::caustic && !curve.on_receiver_edge();
-    add(curve, jump.vertices, jump.closed, {true, ends, true});
+    add(curve, jump.vertices, jump.closed, {true, ends, false, true});
   }
   for (const JumpArc& within : found.within) {
     const BoundaryCurve& curve = curves_[within.curve];
     if (curve.kind == BoundaryKind::caustic) continue;
-    add(curve, within.vertices, within.closed, {false, true, false});
+    add(curve, within.vertices, within.closed, {false, true, true, false});
   }
 }
 

@@ -35,9 +35,10 @@ class RegionIntegrator {
   // Area, flux, what rounding of x moves the area by, what the flux is off by where shares vary,
   // ∮dq, Σ∮s of exact forms.
   using Density = Eigen::Matrix<double, 9, 1>;
-  // What counts along a boundary.
+  // What counts along a boundary: sheets that go on across it, those that begin inside of it, those
+  // that begin outside.
   struct Count {
-    bool others, own, area;
+    bool others, inside, outside, area;
   };
 
   void add_sheet(const Branch& sheet, const Vec3& dx, Density& sum) const;

@@ -97,8 +97,7 @@ void ExtremeFinder::look_along(const BoundaryPiece& piece) {
     if (!side.counts(curve)) continue;
     for (std::size_t i = 0; i < v.size(); ++i) {
       if (!v[i].followed || !std::isfinite(side.total(v[i]))) continue;
-      Branches branches = v[i].others;
-      if (side.inside && !curve.on_receiver_edge()) branches.push_back({curve.field, v[i].at.own});
+      const Branches branches = branches_on(curve, v[i], side.inside);
       take(v[i].at.q, side.total(v[i]), rounding_of_total(carrier_, branches));
     }
     // An extreme lies next to a vertex that is one among its neighbours.
@@ -141,6 +140,7 @@ void ExtremeFinder::look_between(const BoundaryCurve& curve, const Side& side,
     if (!found) return std::numeric_limits<double>::quiet_NaN();
     at = std::move(*found);
     if (side.inside && !curve.on_receiver_edge()) at.branches.push_back({curve.field, *at.own});
+    if (at.mate && at.mate_inside == side.inside) at.branches.push_back(*at.mate);
     there = total_of(at.branches);
     return there.gradient.dot(at.dq);
   };

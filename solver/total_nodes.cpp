@@ -87,7 +87,7 @@ class NodeFinder {
     const auto at = settle_on(carrier_, curve_, near);
     if (!at || !carrier_.carry(v.others, at->q)) return std::nullopt;
     v.at = *at;
-    complete_totals(curve_, v);
+    complete_totals(carrier_, curve_, v);
     return v;
   }
 
@@ -113,12 +113,8 @@ class NodeFinder {
 
   void add_node(const BoundaryVertex& at, int side) {
     ++nodes_;
-    TotalNode node{at.at.q, at.others, left_normal(at)};
-    if (side == 0) {
-      node.into = -node.into;
-    } else if (!curve_.on_receiver_edge()) {
-      node.branches.push_back({curve_.field, at.at.own});
-    }
+    TotalNode node{at.at.q, branches_on(curve_, at, side == 1), left_normal(at)};
+    if (side == 0) node.into = -node.into;
     out_.nodes.push_back(std::move(node));
   }
 

@@ -72,9 +72,11 @@ class Run {
       if (result_.unsupported && !request_.sheets_instead) return std::move(result_);
     }
     if (result_.unsupported) {
-      warn("sheets_instead",
-           "each sheet by itself: " + *result_.unsupported + " is not supported by this version");
+      warn("sheets_instead", "each sheet by itself: " + *result_.unsupported +
+                                 " is not supported by this version" +
+                                 (request_.direct ? "; the direct light is left out" : ""));
       measure_ = Measure::sheet;
+      direct_.reset();
       result_.unsupported.reset();
     }
     result_.levels = request_.isolux ? levels() : std::vector<double>{};
@@ -131,6 +133,7 @@ class Run {
   ContourResult result_;
   std::unique_ptr<geometry::EmbreeScene> embree_;
   std::vector<std::unique_ptr<FamilyField>> fields_;
+  std::unique_ptr<FamilyField> direct_;  // where it is part of the total
   std::size_t empty_levels_ = 0;
 };
 
@@ -145,7 +148,8 @@ void Run::list_families() {
 void Run::explore() {
   std::vector<std::vector<int>> families;
   for (const FamilyReport& family : result_.families) families.push_back(family.surfaces);
-  const Plan plan = make_plan(system_, families, request_.no_skip);
+  const bool direct = request_.direct && measure_ == Measure::total;
+  const Plan plan = make_plan(system_, families, direct, request_.no_skip);
   result_.skipped = plan.skipped;
   const double margin = kMarginShare * system_.diameter();
   if (plan.embree) {
@@ -166,6 +170,11 @@ void Run::explore() {
     judge(field);
   }
   drop_faint_families();
+  if (plan.direct) {
+    direct_ = std::make_unique<FamilyField>(system_, *plan.direct, embree_.get(), margin);
+    direct_->explore(budget_);
+    result_.undecided_cells += direct_->exploration.unresolved;
+  }
   if (discarded > 0) {
     skip("unseen_cells", std::to_string(discarded) + " of " + std::to_string(discarded + kept) +
                              " cells of the mirrors send nothing to the receiver");
@@ -219,6 +228,7 @@ std::vector<double> Run::levels() {
     if (field->degenerate) continue;
     samples.insert(samples.end(), field->samples.begin(), field->samples.end());
   }
+  if (direct_) samples.insert(samples.end(), direct_->samples.begin(), direct_->samples.end());
   std::vector<double> levels = resolve_levels(request_.levels, samples);
   if (levels.empty()) {
     warn("no_levels", samples.empty() ? "no light on the receiver to choose levels from"
@@ -369,6 +379,7 @@ std::vector<const FamilyField*> Run::fields_of_total() const {
   for (const auto& field : fields_) {
     if (!field->degenerate && !field->empty()) fields.push_back(field.get());
   }
+  if (direct_ && !direct_->empty()) fields.push_back(direct_.get());
   return fields;
 }
 

@@ -72,7 +72,9 @@ double total(const Sight::Use& use) { return use.by_begin + use.by_end; }
 
 // From the light to the first surface, looked at the other way; then as light goes.
 Visibility::Way Visibility::way(const Hops& hops, const LightPath& path) const {
-  Segment to_light{{path.x(), Vec3::Zero()}, 1.0 - kLightEndShare, false, hops[0].surface};
+  const int first = hops.empty() ? -1 : hops[0].surface;
+  Segment to_light{{path.x(), Vec3::Zero()}, 1.0 - kLightEndShare, false, first};
+  if (hops.empty()) to_light.begin = kReceiverEndShare;
   if (const auto* point = std::get_if<PointLight>(&system_.light())) {
     to_light.ray.direction = point->position - path.x();
   } else {
@@ -129,7 +131,7 @@ std::vector<Visibility::Meeting> Visibility::meetings(const Hops& hops,
       roots.clear();
       if (!free_of_own(segment, i)) crossings(segment, i, roots);
       for (const double t : roots) {
-        if (!(t > 0.0 && t < segment.end)) continue;
+        if (!(t > segment.begin && t < segment.end)) continue;
         const Point y = segment.ray.at(t);
         all.push_back({j, i, y, margin_of(system_.surfaces()[i].bounds, y)});
       }
@@ -271,7 +273,7 @@ Visibility::Room Visibility::room(const Segment& segment, int index) const {
     }
   }
   for (const double t : roots) {
-    if (t <= 0.0) continue;
+    if (t <= segment.begin) continue;
     const Place at = place(t);
     const double slide = std::abs(at.margin) / length;
     const Sight::Use edge = use_of(to_edge(at, slope_rise(at)), t - slide, t + slide);

@@ -72,6 +72,7 @@ class Visibility {
     bool end_moves;     // a point light's does not, and a beam's moves with the beginning
     int own;            // index of the surface it starts on
     int target = -1;    // index of the surface it ends on, if it does
+    double begin = 0.0;  // and only after this one
   };
   struct Room {
     bool hidden = false;

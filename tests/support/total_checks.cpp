@@ -52,11 +52,13 @@ CertifiedSheets certified_sheets(const OpticalSystem& system, const Vec2& q) {
 
 }  // namespace
 
-ContourResult total_of(const OpticalSystem& system, std::vector<double> levels, double chord) {
+ContourResult total_of(const OpticalSystem& system, std::vector<double> levels, double chord,
+                       bool direct) {
   ContourRequest request;
   request.measure = Measure::total;
   request.levels.values = std::move(levels);
   request.chord_tolerance = chord;
+  request.direct = direct;
   request.time_limit = 60.0;
   return trace_contours(system, request);
 }
@@ -95,8 +97,9 @@ void expect_closed_rings(const ContourResult& result, double width) {
   }
 }
 
-void expect_true_of_the_meter(const OpticalSystem& system, const ContourResult& result) {
-  LightMeter meter(system, {}, false);
+void expect_true_of_the_meter(const OpticalSystem& system, const ContourResult& result,
+                              bool direct) {
+  LightMeter meter(system, {}, direct);
   const double step = 1e-6 * system.receiver().width();
   int arcs = 0, jumps = 0;
   for (const Curve& c : result.curves) {
@@ -190,8 +193,8 @@ void expect_areas(const OpticalSystem& system, const ContourResult& result, doub
 }
 
 void expect_areas(const OpticalSystem& system, const ContourResult& result, double chord,
-                  int samples) {
-  LightMeter meter(system, {}, false);
+                  int samples, bool direct) {
+  LightMeter meter(system, {}, direct);
   expect_areas(
       system, result, chord,
       [&](const Vec2& q) {

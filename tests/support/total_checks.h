@@ -9,9 +9,9 @@
 
 namespace caustic::test {
 
-/// Curves of the total of all families of one bounce.
+/// Curves of the total of all families of one bounce, with the direct light if asked for.
 solver::ContourResult total_of(const solver::OpticalSystem& system, std::vector<double> levels,
-                               double chord = 0.0);
+                               double chord = 0.0, bool direct = false);
 
 /// Area of {E_total ≥ level} by the polygons, m².
 double area_above(const solver::ContourResult& result, double level);
@@ -21,7 +21,7 @@ void expect_closed_rings(const solver::ContourResult& result, double width);
 
 /// Level arcs and jumps against what a meter reads there, all paths found anew.
 void expect_true_of_the_meter(const solver::OpticalSystem& system,
-                              const solver::ContourResult& result);
+                              const solver::ContourResult& result, bool direct = false);
 
 /// Every path to a few vertices of each curve of the level found anew by the certified method: as
 /// many sheets with the same first hits as the meter knows, and on level arcs Σ E_k = level.
@@ -36,6 +36,6 @@ void expect_areas(const solver::OpticalSystem& system, const solver::ContourResu
                   double chord, const TotalAt& total, int samples = 20000);
 /// The same with a light meter.
 void expect_areas(const solver::OpticalSystem& system, const solver::ContourResult& result,
-                  double chord, int samples = 20000);
+                  double chord, int samples = 20000, bool direct = false);
 
 }  // namespace caustic::test

@@ -1,0 +1,133 @@
+// Areas and fluxes of the total with the light that comes straight from the source, against solid
+// angles in closed form and what is one-dimensional about an axis.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "solver/analysis.h"
+#include "tests/support/scenes.h"
+
+namespace caustic::solver {
+namespace {
+
+using geometry::box_aperture;
+using geometry::kPi;
+using geometry::make_sphere;
+using test::absorber;
+using test::floor_at;
+using test::mirror;
+
+Analysis with_direct(const OpticalSystem& system, std::vector<double> levels) {
+  ContourRequest request;
+  request.levels.values = std::move(levels);
+  request.direct = true;
+  request.time_limit = 60.0;
+  Analysis analysis = analyse(system, request);
+  EXPECT_FALSE(analysis.unsupported) << *analysis.unsupported;
+  EXPECT_TRUE(analysis.complete);
+  EXPECT_EQ(analysis.undecided, 0u);
+  for (const Warning& w : analysis.warnings) ADD_FAILURE() << w.code << ": " << w.detail;
+  return analysis;
+}
+
+void expect_estimate(const Estimate& found, double expected, double largest_error) {
+  EXPECT_LE(std::abs(found.value - expected), found.error + 1e-12 * std::abs(expected))
+      << found.value;
+  EXPECT_LE(found.error, largest_error);
+}
+
+// Of a rectangle 2a by 2b, seen from above its middle.
+double solid_angle(double a, double b, double h) {
+  return 4.0 * std::atan(a * b / (h * std::sqrt(a * a + b * b + h * h)));
+}
+
+constexpr double kHeight = 2.5, kCenter = 0.9, kRadius = 0.4, kIntensity = 2.0;
+
+// A ball above the middle of the floor, below the lamp.
+OpticalSystem ball_below_lamp(SystemSurface ball) {
+  return OpticalSystem::build(PointLight{{0, 0, kHeight}, kIntensity}, {std::move(ball)},
+                              floor_at(Point::Zero(), 4, 3));
+}
+const double kShadow = std::asin(kRadius / (kHeight - kCenter));  // half the cone's angle
+double direct_at(double r) {
+  return kIntensity * kHeight / std::pow(kHeight * kHeight + r * r, 1.5);
+}
+
+TEST(AnalysisOfDirectLight, IsASolidAngleWithoutThatOfABall) {
+  const auto system = ball_below_lamp(absorber(make_sphere({0, 0, kCenter}, kRadius)));
+  const double edge = kHeight * std::tan(kShadow);
+  const std::vector<double> levels{direct_at(1.4), direct_at(1.0), direct_at(0.3)};
+  const Analysis found = with_direct(system, levels);
+  const double cone = 2.0 * kPi * (1.0 - std::cos(kShadow));
+  const double flux = kIntensity * (solid_angle(2, 1.5, kHeight) - cone);
+  expect_estimate(found.flux, flux, 1e-8);
+  EXPECT_NEAR(found.average.value, flux / 12.0, 1e-11);
+  EXPECT_EQ(found.min.E.value, 0.0);
+  expect_estimate(found.max.E, direct_at(edge), 1e-8);
+  EXPECT_NEAR(found.max.q.norm(), edge, 1e-6);
+  ASSERT_EQ(found.levels.size(), 3u);
+  for (const int k : {0, 1}) {
+    const double r = k == 0 ? 1.4 : 1.0;
+    expect_estimate(found.levels[k].area, kPi * (r * r - edge * edge), 1e-8);
+    expect_estimate(found.levels[k].flux,
+                    2.0 * kPi * kIntensity * (std::cos(kShadow) - std::cos(std::atan(r / kHeight))),
+                    1e-8);
+  }
+  expect_estimate(found.levels[2].area, 0.0, 1e-12);
+}
+
+// The ball shines, too: what it reflects begins at the edge of its shadow. By the polar angle t of
+// the ball, from the lamp's side.
+TEST(AnalysisOfDirectLight, CountsWhatABallReflectsBesideItsShadow) {
+  const auto system = ball_below_lamp(mirror(make_sphere({0, 0, kCenter}, kRadius), {}, 0.8));
+  const double silhouette = std::acos(kRadius / (kHeight - kCenter));
+  const auto psi = [](double t) {  // of the ray from the lamp
+    return std::atan2(kRadius * std::sin(t), kHeight - kCenter - kRadius * std::cos(t));
+  };
+  const auto arrival = [&](double t) {  // elevation of the ray after: ψ + 2 (π/2 − (t + ψ)) below
+    const double down = 2.0 * t + psi(t) - kPi, z = kCenter + kRadius * std::cos(t);
+    return kRadius * std::sin(t) - z * std::tan(down + kPi);
+  };
+  // E r dr = 0.8 I sin ψ dψ, and dE/dt by central differences of the fourth order.
+  const auto slope = [](const auto& f, double t) {
+    const double h = 1e-3;
+    return (8.0 * (f(t + h) - f(t - h)) - (f(t + 2 * h) - f(t - 2 * h))) / (12.0 * h);
+  };
+  const auto reflected = [&](double t) {
+    const double r = arrival(t);
+    return 0.8 * kIntensity * std::abs(std::sin(psi(t)) * slope(psi, t) / (r * slope(arrival, t)));
+  };
+  const double edge = kHeight * std::tan(kShadow);
+  ASSERT_NEAR(arrival(silhouette), edge, 1e-12);
+  const double t = silhouette - 0.15, r = arrival(t);
+  ASSERT_GT(r, edge);
+  ASSERT_LT(r, 1.4);
+  const double level = direct_at(r) + reflected(t);
+  const Analysis found = with_direct(system, {level});
+  ASSERT_EQ(found.levels.size(), 1u);
+  EXPECT_NEAR(found.levels[0].area.value, kPi * (r * r - edge * edge), 1e-8);
+  const double direct = std::cos(kShadow) - std::cos(std::atan(r / kHeight));
+  const double mirrored = 0.8 * (std::cos(psi(t)) - std::cos(psi(silhouette)));
+  EXPECT_NEAR(found.levels[0].flux.value, 2.0 * kPi * kIntensity * (direct + mirrored), 1e-8);
+  EXPECT_LE(found.levels[0].area.error, 1e-8);
+  EXPECT_LE(found.levels[0].flux.error, 1e-8);
+}
+
+TEST(AnalysisOfDirectLight, OfABeamIsAnArea) {
+  const Vec3 beam = Vec3(0.3, -0.2, -1).normalized();
+  const auto plate =
+      absorber(geometry::make_plane({0, 0, 1}, {0, 0, 1}), box_aperture({0, 0, 0}, {0.3, 0.5, 2}));
+  const auto system =
+      OpticalSystem::build(CollimatedLight{beam, 10.0}, {plate}, floor_at(Point::Zero(), 4, 3));
+  const Analysis found = with_direct(system, {5.0});
+  const double E = 10.0 * -beam.z(), lit = 12.0 - 0.15;
+  expect_estimate(found.flux, E * lit, 1e-9);
+  expect_estimate(found.levels[0].area, lit, 1e-10);
+  expect_estimate(found.levels[0].flux, E * lit, 1e-9);
+  expect_estimate(found.max.E, E, 1e-9);
+  EXPECT_EQ(found.min.E.value, 0.0);
+}
+
+}  // namespace
+}  // namespace caustic::solver
