@@ -49,8 +49,7 @@ AnalysisCall read_analysis_call(std::string_view body) {
     request.max_bounces = families.max_bounces;
     request.min_flux_share = families.min_flux_share;
     request.levels = read_levels(root);
-    if (root.boolean_or("direct", false))
-      faults.not_supported(root.pointer_to("direct"), "the direct light");
+    request.direct = root.boolean_or("direct", false);
   }
   faults.throw_if_any();
   return {solver::OpticalSystem::build(scene.light, std::move(scene.surfaces), scene.receiver),

@@ -66,17 +66,20 @@ void read_limits(ObjectReader& root, ContourRequest& request) {
       read_integer(limits.member_or("cells", kDefaultCells), 1, kMaxCells, root.faults()));
 }
 
-// By default the total, or sheets where that cannot be traced.
+// By default the total, or sheets where that cannot be traced. The direct light is part of the
+// total only, so who asks for it means that.
 void read_measure(ObjectReader& root, ContourRequest& request) {
-  request.sheets_instead = !root.optional_member("measure");
-  const bool sheet = !request.sheets_instead && root.word("measure", {"total", "sheet"}) == "sheet";
+  const bool named = root.optional_member("measure").has_value();
+  request.direct = root.boolean_or("direct", false);
+  request.sheets_instead = !named && !request.direct;
+  const bool sheet = named && root.word("measure", {"total", "sheet"}) == "sheet";
   request.measure = sheet ? solver::Measure::sheet : solver::Measure::total;
+  if (sheet && request.direct)
+    root.faults().add(root.pointer_to("direct"), "belongs to the total: see measure");
 }
 
 void read_what_is_to_come(ObjectReader& root, const ContourRequest& request) {
   Faults& faults = root.faults();
-  if (root.boolean_or("direct", false))
-    faults.not_supported(root.pointer_to("direct"), "the direct light");
   if (request.certify && request.measure == solver::Measure::total && !request.sheets_instead)
     faults.not_supported(root.pointer_to("certify"), "certification of the total");
 }

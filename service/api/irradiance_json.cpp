@@ -78,7 +78,7 @@ ordered_json sheet_json(const solver::SheetIrradiance& sheet, double metres) {
           {"parity", sheet.parity},
           {"E", sheet.E},
           {"gradient", vector_json(sheet.gradient, metres)},
-          {"x", vector_json(sheet.hits.front(), 1.0 / metres)},
+          {"x", vector_json(sheet.x, 1.0 / metres)},
           {"vertices", std::move(vertices)}};
 }
 

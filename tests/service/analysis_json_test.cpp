@@ -89,7 +89,7 @@ TEST(AnalysisCall, names_every_fault) {
   json request = analysis_request();
   request["families"] = {{"nobody"}};
   request["levels"] = {0.1, -1, "two"};
-  request["direct"] = true;
+  request["direct"] = 1;
   request["measure"] = "total";
   test::surface(request)["shape"]["radius"] = -1;
   EXPECT_EQ(pointers_of_faults(request),

@@ -67,6 +67,21 @@ TEST(ContourJson, boundaries_come_with_the_total) {
   EXPECT_EQ(pointers_of(request), Pointers{"/include/0"});
 }
 
+TEST(ContourJson, the_direct_light_belongs_to_the_total) {
+  json request = ball_request();
+  EXPECT_FALSE(read_contour_call(request.dump()).request.direct);
+  request["direct"] = true;
+  const ContourCall call = read_contour_call(request.dump());
+  EXPECT_TRUE(call.request.direct);
+  EXPECT_EQ(call.request.measure, solver::Measure::total);
+  EXPECT_FALSE(call.request.sheets_instead);
+  EXPECT_NE(call.id, id_of(ball_request()));
+  request["measure"] = "sheet";
+  EXPECT_EQ(pointers_of(request), Pointers{"/direct"});
+  request["direct"] = 1;
+  EXPECT_EQ(pointers_of(request), Pointers{"/direct"});
+}
+
 TEST(ContourJson, identity_is_what_is_asked_not_how) {
   const json plain = ball_request();
   const std::string id = id_of(plain);

@@ -119,8 +119,14 @@ TEST(Irradiance, of_a_plane_mirror_and_the_lamp_itself) {
     EXPECT_NEAR(point["gradient"][0].get<double>() * units, 1.5 * change, 1e-13);
     EXPECT_NEAR(point["gradient"][1].get<double>() * units, -1.0 * change, 1e-13);
     EXPECT_NEAR(point["gradient"][2].get<double>() * units, 0.0, 1e-13);
-    ASSERT_EQ(point["sheets"].size(), 1u);
-    const json& sheet = point["sheets"][0];
+    ASSERT_EQ(point["sheets"].size(), 2u);
+    const json &sheet = point["sheets"][0], &direct = point["sheets"][1];
+    EXPECT_EQ(direct["family_id"], -1);
+    EXPECT_EQ(direct["parity"], -1);  // the lamp is on the side of −m
+    EXPECT_NEAR(direct["E"].get<double>(), E(1), 1e-13);
+    EXPECT_NEAR(direct["gradient"][0].get<double>() * units, 1.5 * slope(1), 1e-13);
+    EXPECT_NEAR(direct["x"][0].get<double>(), 1.5 * units, 1e-12 * units);
+    EXPECT_EQ(direct["vertices"], json::array());
     EXPECT_NEAR(sheet["E"].get<double>(), 0.8 * E(3), 1e-13);
     EXPECT_EQ(sheet["family_id"], 0);
     EXPECT_EQ(sheet["parity"], 1);

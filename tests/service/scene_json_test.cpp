@@ -146,7 +146,6 @@ TEST(SceneJson, refuses_shapes_that_are_none) {
 TEST(SceneJson, says_what_this_version_lacks) {
   const std::pair<const char*, const char*> cases[] = {
       {"/scene/light", R"({"type":"photometric_file","content":"x"})"},
-      {"/direct", "true"},
       {"/certify", "true"},
       {"/include", R"(["isolux","critical_points"])"},
   };
