@@ -42,36 +42,36 @@ double solid_angle(double a, double b, double h) {
   return 4.0 * std::atan(a * b / (h * std::sqrt(a * a + b * b + h * h)));
 }
 
-constexpr double kHeight = 2.5, kCenter = 0.9, kRadius = 0.4, kIntensity = 2.0;
+constexpr double kLampHeight = 2.5, kBallHeight = 0.9, kBallRadius = 0.4, kLampIntensity = 2.0;
 
 // A ball above the middle of the floor, below the lamp.
 OpticalSystem ball_below_lamp(SystemSurface ball) {
-  return OpticalSystem::build(PointLight{{0, 0, kHeight}, kIntensity}, {std::move(ball)},
+  return OpticalSystem::build(PointLight{{0, 0, kLampHeight}, kLampIntensity}, {std::move(ball)},
                               floor_at(Point::Zero(), 4, 3));
 }
-const double kShadow = std::asin(kRadius / (kHeight - kCenter));  // half the cone's angle
-double direct_at(double r) {
-  return kIntensity * kHeight / std::pow(kHeight * kHeight + r * r, 1.5);
+const double kShadowAngle = std::asin(kBallRadius / (kLampHeight - kBallHeight));  // half the cone's angle
+double lamp_on_floor(double r) {
+  return kLampIntensity * kLampHeight / std::pow(kLampHeight * kLampHeight + r * r, 1.5);
 }
 
 TEST(AnalysisOfDirectLight, IsASolidAngleWithoutThatOfABall) {
-  const auto system = ball_below_lamp(absorber(make_sphere({0, 0, kCenter}, kRadius)));
-  const double edge = kHeight * std::tan(kShadow);
-  const std::vector<double> levels{direct_at(1.4), direct_at(1.0), direct_at(0.3)};
+  const auto system = ball_below_lamp(absorber(make_sphere({0, 0, kBallHeight}, kBallRadius)));
+  const double edge = kLampHeight * std::tan(kShadowAngle);
+  const std::vector<double> levels{lamp_on_floor(1.4), lamp_on_floor(1.0), lamp_on_floor(0.3)};
   const Analysis found = with_direct(system, levels);
-  const double cone = 2.0 * kPi * (1.0 - std::cos(kShadow));
-  const double flux = kIntensity * (solid_angle(2, 1.5, kHeight) - cone);
+  const double cone = 2.0 * kPi * (1.0 - std::cos(kShadowAngle));
+  const double flux = kLampIntensity * (solid_angle(2, 1.5, kLampHeight) - cone);
   expect_estimate(found.flux, flux, 1e-8);
   EXPECT_NEAR(found.average.value, flux / 12.0, 1e-11);
   EXPECT_EQ(found.min.E.value, 0.0);
-  expect_estimate(found.max.E, direct_at(edge), 1e-8);
+  expect_estimate(found.max.E, lamp_on_floor(edge), 1e-8);
   EXPECT_NEAR(found.max.q.norm(), edge, 1e-6);
   ASSERT_EQ(found.levels.size(), 3u);
   for (const int k : {0, 1}) {
     const double r = k == 0 ? 1.4 : 1.0;
     expect_estimate(found.levels[k].area, kPi * (r * r - edge * edge), 1e-8);
     expect_estimate(found.levels[k].flux,
-                    2.0 * kPi * kIntensity * (std::cos(kShadow) - std::cos(std::atan(r / kHeight))),
+                    2.0 * kPi * kLampIntensity * (std::cos(kShadowAngle) - std::cos(std::atan(r / kLampHeight))),
                     1e-8);
   }
   expect_estimate(found.levels[2].area, 0.0, 1e-12);
@@ -80,14 +80,14 @@ TEST(AnalysisOfDirectLight, IsASolidAngleWithoutThatOfABall) {
 // The ball shines, too: what it reflects begins at the edge of its shadow. By the polar angle t of
 // the ball, from the lamp's side.
 TEST(AnalysisOfDirectLight, CountsWhatABallReflectsBesideItsShadow) {
-  const auto system = ball_below_lamp(mirror(make_sphere({0, 0, kCenter}, kRadius), {}, 0.8));
-  const double silhouette = std::acos(kRadius / (kHeight - kCenter));
+  const auto system = ball_below_lamp(mirror(make_sphere({0, 0, kBallHeight}, kBallRadius), {}, 0.8));
+  const double silhouette = std::acos(kBallRadius / (kLampHeight - kBallHeight));
   const auto psi = [](double t) {  // of the ray from the lamp
-    return std::atan2(kRadius * std::sin(t), kHeight - kCenter - kRadius * std::cos(t));
+    return std::atan2(kBallRadius * std::sin(t), kLampHeight - kBallHeight - kBallRadius * std::cos(t));
   };
   const auto arrival = [&](double t) {  // elevation of the ray after: ψ + 2 (π/2 − (t + ψ)) below
-    const double down = 2.0 * t + psi(t) - kPi, z = kCenter + kRadius * std::cos(t);
-    return kRadius * std::sin(t) - z * std::tan(down + kPi);
+    const double down = 2.0 * t + psi(t) - kPi, z = kBallHeight + kBallRadius * std::cos(t);
+    return kBallRadius * std::sin(t) - z * std::tan(down + kPi);
   };
   // E r dr = 0.8 I sin ψ dψ, and dE/dt by central differences of the fourth order.
   const auto slope = [](const auto& f, double t) {
@@ -96,20 +96,20 @@ TEST(AnalysisOfDirectLight, CountsWhatABallReflectsBesideItsShadow) {
   };
   const auto reflected = [&](double t) {
     const double r = arrival(t);
-    return 0.8 * kIntensity * std::abs(std::sin(psi(t)) * slope(psi, t) / (r * slope(arrival, t)));
+    return 0.8 * kLampIntensity * std::abs(std::sin(psi(t)) * slope(psi, t) / (r * slope(arrival, t)));
   };
-  const double edge = kHeight * std::tan(kShadow);
+  const double edge = kLampHeight * std::tan(kShadowAngle);
   ASSERT_NEAR(arrival(silhouette), edge, 1e-12);
   const double t = silhouette - 0.15, r = arrival(t);
   ASSERT_GT(r, edge);
   ASSERT_LT(r, 1.4);
-  const double level = direct_at(r) + reflected(t);
+  const double level = lamp_on_floor(r) + reflected(t);
   const Analysis found = with_direct(system, {level});
   ASSERT_EQ(found.levels.size(), 1u);
   EXPECT_NEAR(found.levels[0].area.value, kPi * (r * r - edge * edge), 1e-8);
-  const double direct = std::cos(kShadow) - std::cos(std::atan(r / kHeight));
+  const double direct = std::cos(kShadowAngle) - std::cos(std::atan(r / kLampHeight));
   const double mirrored = 0.8 * (std::cos(psi(t)) - std::cos(psi(silhouette)));
-  EXPECT_NEAR(found.levels[0].flux.value, 2.0 * kPi * kIntensity * (direct + mirrored), 1e-8);
+  EXPECT_NEAR(found.levels[0].flux.value, 2.0 * kPi * kLampIntensity * (direct + mirrored), 1e-8);
   EXPECT_LE(found.levels[0].area.error, 1e-8);
   EXPECT_LE(found.levels[0].flux.error, 1e-8);
 }

@@ -25,7 +25,7 @@ using test::one_mirror;
 using test::total_of;
 
 // Random points for an area.
-constexpr int kPoints = 5000;
+constexpr int kDirectPoints = 5000;
 
 // Of a lamp of 1 W/sr at a on the floor z = 0.
 double lamp_at(const Point& a, const Vec2& q) {
@@ -78,13 +78,13 @@ TEST(DirectLight, LeavesTheShadowOfABall) {
       EXPECT_NEAR(v.bright / lamp_at(lamp, v.uv), 1.0, 1e-9);
     }
   }
-  expect_areas(system, result, 4e-4, total, kPoints);
+  expect_areas(system, result, 4e-4, total, kDirectPoints);
 }
 
 // A plane mirror x = 1 with this rectangle, and what blocks.
-const Point kLamp(0, 0, 1.5);
+const Point kLampByPlate(0, 0, 1.5);
 OpticalSystem floor_by_plate(double bottom) {
-  return one_mirror(PointLight{kLamp, 1.0}, make_plane({1, 0, 0}, {1, 0, 0}),
+  return one_mirror(PointLight{kLampByPlate, 1.0}, make_plane({1, 0, 0}, {1, 0, 0}),
                     floor_at(Point::Zero(), 4, 4),
                     box_aperture({0.5, -0.6, bottom}, {1.5, 0.6, 1.1}), 0.8);
 }
@@ -95,8 +95,8 @@ double total_by_plate(double bottom, const Vec2& q) {
     const Point y = from + t * way;
     return t > 0.0 && t < 1.0 && std::abs(y.y()) < 0.6 && y.z() > bottom && y.z() < 1.1;
   };
-  const Point image(2.0 - kLamp.x(), kLamp.y(), kLamp.z());
-  const double direct = q.x() > 1.0 && on_plate(kLamp) ? 0.0 : lamp_at(kLamp, q);
+  const Point image(2.0 - kLampByPlate.x(), kLampByPlate.y(), kLampByPlate.z());
+  const double direct = q.x() > 1.0 && on_plate(kLampByPlate) ? 0.0 : lamp_at(kLampByPlate, q);
   return direct + (q.x() < 1.0 && on_plate(image) ? 0.8 * lamp_at(image, q) : 0.0);
 }
 
@@ -108,7 +108,7 @@ void expect_right_by_plate(double bottom) {
   EXPECT_GT(expect_level_arcs(result, total), 4);
   expect_closed_rings(result, 4.0);
   expect_true_of_the_meter(system, result, true);
-  expect_areas(system, result, 4e-4, total, kPoints);
+  expect_areas(system, result, 4e-4, total, kDirectPoints);
 }
 
 TEST(DirectLight, AddsToThatOfAPlateBesideIt) { expect_right_by_plate(0.2); }
@@ -123,7 +123,7 @@ void expect_right_by_meter(const OpticalSystem& system, const std::vector<double
   expect_settled(result);
   expect_closed_rings(result, system.receiver().width());
   expect_true_of_the_meter(system, result, true);
-  expect_areas(system, result, chord, kPoints, true);
+  expect_areas(system, result, chord, kDirectPoints, true);
 }
 
 OpticalSystem over_floor(std::vector<SystemSurface> surfaces) {
