@@ -1,38 +1,76 @@
 #include "service/contour_service.h"
 
+#include <algorithm>
+#include <chrono>
+
 #include "service/api/answer_json.h"
 #include "service/api/identity.h"
 #include "service/api/problem.h"
 #include "service/formats/format.h"
 
 namespace caustic::service {
+namespace {
+
+/// What is done of a computation is not known for sure; that it ends when its time is up is. The
+/// larger share counts, and all is said to be done only when it is.
+constexpr double kAlmost = 0.99;
+
+class Progress {
+ public:
+  Progress(JobControl& control, double time_limit)
+      : control_(control), time_limit_(time_limit), begin_(std::chrono::steady_clock::now()) {}
+  void operator()(double share) const {
+    const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin_;
+    control_.report(kAlmost * std::max(share, std::min(1.0, spent.count() / time_limit_)));
+  }
+
+ private:
+  JobControl& control_;
+  double time_limit_;
+  std::chrono::steady_clock::time_point begin_;
+};
+
+}  // namespace
 
 std::string result_id(const ContourCall& call, const solver::ContourResult& result) {
   return result.complete ? call.id : random_id();
 }
 
-std::string ContourService::post(std::string_view body) const {
-  ContourCall call = read_contour_call(body);
-  if (!call.store) return compute(call);
-  return under_way_.once(call.id, [&] {
-    const auto answer = store_.load_answer(call.id);
-    return answer ? *answer : compute(call);
-  });
+std::string ContourService::key_of(const ContourCall& call) {
+  if (!call.store) return {};
+  const auto& request = call.request;
+  return call.id + ' ' + std::to_string(request.time_limit) + ' ' +
+         std::to_string(request.vertex_limit) + ' ' + std::to_string(request.cell_limit);
 }
 
-std::string ContourService::compute(ContourCall& call) const {
-  call.request.cancelled = stopping_;
+std::shared_ptr<const std::string> ContourService::find(const ContourCall& call) const {
+  auto answer = call.store ? store_.find_answer(call.id) : nullptr;
+  if (metrics_ && call.store) answer ? metrics_->count_cache_hit() : metrics_->count_cache_miss();
+  return answer;
+}
+
+JobResult ContourService::compute(ContourCall& call, JobControl& control) const {
+  call.request.cancelled = control.cancelled();
+  call.request.progress = Progress(control, call.request.time_limit);
   solver::ContourResult result = engine_(call.system, call.request);
-  if (stopping_ && *stopping_) throw ProblemError(make_problem(503, "the service is stopping"));
+  control.throw_if_cancelled();
   throw_if_unsupported(result);
+  if (metrics_) metrics_->count_result(result);
   const std::string id = result_id(call, result);
   ResultRecord record;
   record.curves = to_polylines(call, result);
-  if (!call.store) return answer_json(call, result, id, false, write_geojson(record.curves));
+  if (!call.store) return {answer_json(call, result, id, false, write_geojson(record.curves))};
   record.answer = answer_json(call, result, id, true);
-  if (store_.save(id, record)) return record.answer;
+  if (store_.save(id, record)) return {record.answer, id};
   // Another server on the same folder was first: its answer is the one that stays.
-  return store_.load_answer(id).value_or(record.answer);
+  return {store_.load_answer(id).value_or(record.answer), id};
+}
+
+std::string ContourService::post(std::string_view body) const {
+  ContourCall call = read_contour_call(body);
+  if (const auto answer = find(call)) return *answer;
+  JobControl control;
+  return compute(call, control).answer;
 }
 
 }  // namespace caustic::service

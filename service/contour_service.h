@@ -1,16 +1,16 @@
-// One POST from body to answer: read, look up, trace, store. Knows neither HTTP nor the command
-// line.
+// POST /v1/contours without HTTP: read, look up, trace, store.
 #pragma once
 
-#include <atomic>
 #include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 
 #include "service/api/contour_json.h"
+#include "service/jobs/job.h"
+#include "service/metrics.h"
 #include "service/results/result_record.h"
 #include "service/results/result_store.h"
-#include "service/shared_work.h"
 #include "solver/contours.h"
 
 namespace caustic::service {
@@ -20,22 +20,24 @@ using Engine = std::function<solver::ContourResult(const solver::OpticalSystem&,
 
 class ContourService {
  public:
-  /// When `stopping` becomes true, running work ends with 503.
-  ContourService(Engine engine, const ResultStore& store,
-                 const std::atomic<bool>* stopping = nullptr)
-      : engine_(std::move(engine)), store_(store), stopping_(stopping) {}
+  ContourService(Engine engine, const ResultStore& store, Metrics* metrics = nullptr)
+      : engine_(std::move(engine)), store_(store), metrics_(metrics) {}
 
-  /// The answer. Throws ProblemError for a bad request. The same request from several threads at a
-  /// time is traced once.
+  /// The answer that is stored for this call, or null.
+  std::shared_ptr<const std::string> find(const ContourCall& call) const;
+  /// Traces and stores. Throws ProblemError for what the engine lacks, a full disk, or if it was
+  /// cancelled.
+  JobResult compute(ContourCall& call, JobControl& control) const;
+  /// All of it at once: the answer to this body.
   std::string post(std::string_view body) const;
 
- private:
-  std::string compute(ContourCall& call) const;
+  /// Of requests that may share one computation: same scene, same limits. Empty: none may.
+  static std::string key_of(const ContourCall& call);
 
+ private:
   Engine engine_;
   const ResultStore& store_;
-  const std::atomic<bool>* stopping_;
-  mutable SharedWork under_way_;
+  Metrics* metrics_;
 };
 
 /// Identity of what the engine found: the request's own if it is whole, else a random one.

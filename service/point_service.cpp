@@ -14,26 +14,27 @@ namespace {
 constexpr auto kLongest = std::chrono::seconds(60);
 constexpr std::size_t kMostVertices = 10'000'000;
 
-void throw_if_stopping(const std::atomic<bool>* stopping) {
-  if (stopping && *stopping) throw ProblemError(make_problem(503, "the service is stopping"));
+void throw_if_cancelled(const std::atomic<bool>* cancelled) {
+  if (cancelled && *cancelled)
+    throw ProblemError(make_problem(503, "the computation was cancelled"));
 }
 
 }  // namespace
 
-std::string answer_paths(std::string_view body, const std::atomic<bool>* stopping) {
+std::string answer_paths(std::string_view body, const std::atomic<bool>* cancelled) {
   const PathCall call = read_path_call(body);
-  throw_if_stopping(stopping);
+  throw_if_cancelled(cancelled);
   return path_answer(call, solver::paths_between(call.system, call.request));
 }
 
-std::string answer_irradiance(std::string_view body, const std::atomic<bool>* stopping) {
+std::string answer_irradiance(std::string_view body, const std::atomic<bool>* cancelled) {
   const IrradianceCall call = read_irradiance_call(body);
   const auto deadline = std::chrono::steady_clock::now() + kLongest;
   solver::LightMeter meter(call.system, call.families, call.direct);
   std::vector<solver::PointIrradiance> readings;
   readings.reserve(call.points.size());
   for (const geometry::Vec2& q : call.points) {
-    throw_if_stopping(stopping);
+    throw_if_cancelled(cancelled);
     if (std::chrono::steady_clock::now() > deadline)
       throw ProblemError(make_problem(503, "more than a minute of work: ask for fewer points"));
     readings.push_back(meter.at(q));
@@ -41,13 +42,13 @@ std::string answer_irradiance(std::string_view body, const std::atomic<bool>* st
   return irradiance_answer(call, readings);
 }
 
-std::string answer_analysis(std::string_view body, const std::atomic<bool>* stopping) {
+std::string answer_analysis(std::string_view body, const std::atomic<bool>* cancelled) {
   AnalysisCall call = read_analysis_call(body);
   call.request.time_limit = std::chrono::duration<double>(kLongest).count();
   call.request.vertex_limit = kMostVertices;
-  call.request.cancelled = stopping;
+  call.request.cancelled = cancelled;
   const solver::Analysis analysis = solver::analyse(call.system, call.request);
-  throw_if_stopping(stopping);
+  throw_if_cancelled(cancelled);
   if (!analysis.complete)
     throw ProblemError(make_problem(503, "more than a minute of work: ask for fewer levels"));
   return analysis_answer(call, analysis);

@@ -8,9 +8,9 @@
 
 namespace caustic::service {
 
-/// All throw ProblemError for a bad request, and 503 when `stopping` becomes true.
-std::string answer_paths(std::string_view body, const std::atomic<bool>* stopping = nullptr);
-std::string answer_irradiance(std::string_view body, const std::atomic<bool>* stopping = nullptr);
-std::string answer_analysis(std::string_view body, const std::atomic<bool>* stopping = nullptr);
+/// All throw ProblemError for a bad request, and 503 when `cancelled` becomes true.
+std::string answer_paths(std::string_view body, const std::atomic<bool>* cancelled = nullptr);
+std::string answer_irradiance(std::string_view body, const std::atomic<bool>* cancelled = nullptr);
+std::string answer_analysis(std::string_view body, const std::atomic<bool>* cancelled = nullptr);
 
 }  // namespace caustic::service

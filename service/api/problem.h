@@ -31,8 +31,14 @@ class ProblemError : public std::exception {
   Problem problem_;
 };
 
+/// The phrase of a status of 400 or more.
+const char* title_of_status(int status);
+
 /// A problem whose title is the phrase of its HTTP status.
 Problem make_problem(int status, std::string detail, std::vector<Fault> errors = {});
+
+/// A bug: what it was goes to stderr, and nothing of it to the client (500).
+Problem report_bug(const char* what);
 
 /// The `application/problem+json` document.
 std::string to_json(const Problem& problem);

@@ -1,6 +1,8 @@
 #include "service/cli/command_line.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <thread>
 
 #include "service/api/identity.h"
 #include "service/cli/commands.h"
@@ -8,21 +10,62 @@
 namespace caustic::service {
 namespace {
 
-void add_serve(CLI::App& app, ServeOptions& options) {
-  auto* command = app.add_subcommand("serve", "start the HTTP service");
-  command->add_option("--host", options.server.host, "address to listen on")->capture_default_str();
-  command->add_option("--port", options.server.port, "0 picks a free one")
-      ->check(CLI::Range(0, 65535))
-      ->capture_default_str();
-  command->add_option("--data", options.data,
-                      "folder of the results (default ${XDG_CACHE_HOME:-~/.cache}/isocaustic)");
-  command->add_option("--max-body", options.server.max_body, "largest request body, bytes")
+/// An option that the environment sets too: --max-body is ISOCAUSTIC_MAX_BODY.
+template <typename Value>
+CLI::Option* add_setting(CLI::App& command, std::string name, Value& value, const char* help) {
+  CLI::Option* option = command.add_option("--" + name, value, help);
+  for (char& c : name) c = c == '-' ? '_' : static_cast<char>(std::toupper(c));
+  return option->envname("ISOCAUSTIC_" + name);
+}
+
+void add_limits(CLI::App& command, ServeOptions& options) {
+  ReactorOptions& reactor = options.server.reactor;
+  add_setting(command, "max-body", reactor.max_body, "largest request body, bytes")
       ->check(CLI::Range(std::size_t{1}, std::size_t{1} << 30))
       ->capture_default_str();
-  command->add_option("--threads", options.server.threads, "connections served at a time")
+  add_setting(command, "max-connections", reactor.max_connections,
+              "connections at a time; then idle ones are closed")
+      ->check(CLI::Range(std::size_t{1}, std::size_t{100'000}))
+      ->capture_default_str();
+  add_setting(command, "threads", reactor.threads, "threads that talk to clients")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
-  command->add_flag("--public", options.open_to_all, "allow a host other than loopback");
+  add_setting(command, "workers", options.jobs.threads, "threads that compute")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  add_setting(command, "queue", options.jobs.most_waiting,
+              "computations that may wait; then 503 is answered")
+      ->check(CLI::Range(std::size_t{1}, std::size_t{100'000}))
+      ->capture_default_str();
+  add_setting(command, "store-size", options.store_megabytes,
+              "MiB that results may take; then the least asked for go")
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 30))
+      ->capture_default_str();
+}
+
+void add_serve(CLI::App& app, ServeOptions& options) {
+  auto& command = *app.add_subcommand("serve", "start the HTTP service");
+  options.jobs.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  add_setting(command, "host", options.server.host, "address to listen on")->capture_default_str();
+  add_setting(command, "port", options.server.port, "0 picks a free one")
+      ->check(CLI::Range(0, 65535))
+      ->capture_default_str();
+  command.add_flag("--public", options.open_to_all, "allow a host other than loopback")
+      ->envname("ISOCAUSTIC_PUBLIC");
+  add_setting(command, "data", options.data,
+              "folder of the results (default ${XDG_CACHE_HOME:-~/.cache}/isocaustic)");
+  add_limits(command, options);
+  add_setting(command, "token-file", options.token_file,
+              "file with a token that clients must send (Authorization: Bearer ...)");
+  add_setting(command, "cors-origin", options.front.origins,
+              "origin of a page elsewhere that may ask, as https://example.org; may be repeated")
+      ->delimiter(',');
+  add_setting(command, "log", options.log, "a line of JSON a request: - is stderr, off is none")
+      ->capture_default_str();
+  add_setting(command, "grace", options.grace_ms,
+              "ms that computations may still take when told to stop")
+      ->check(CLI::Range(0, 3'600'000))
+      ->capture_default_str();
 }
 
 void add_trace(CLI::App& app, TraceOptions& options) {

@@ -3,16 +3,24 @@
 
 #include <string>
 
+#include "service/http/front.h"
 #include "service/http/server.h"
+#include "service/jobs/jobs.h"
 
 namespace caustic::service {
 
 struct ServeOptions {
   ServerOptions server;
-  std::string data;          ///< folder of the results; empty: the user's cache folder
-  bool open_to_all = false;  ///< a host other than loopback is meant
+  JobOptions jobs;
+  FrontOptions front;
+  std::string data;                      ///< folder of the results; empty: the user's cache folder
+  std::uint64_t store_megabytes = 4096;  ///< that the results may take
+  std::string token_file;                ///< whose first line clients must show; empty: none
+  std::string log = "-";                 ///< "-" is stderr, "off" none, else a file
+  int grace_ms = 5000;                   ///< for what runs when the service is told to stop
+  bool open_to_all = false;              ///< a host other than loopback is meant
 };
-int serve(const ServeOptions& options);
+int serve(ServeOptions options);
 
 struct TraceOptions {
   std::string request = "-";  ///< - is stdin

@@ -4,38 +4,61 @@
 #include "service/api/problem.h"
 #include "service/contour_service.h"
 #include "service/http/message.h"
+#include "service/jobs/jobs.h"
 
 namespace caustic::service {
 
 class Routes {
  public:
-  /// When `stopping` becomes true, calls about points end with 503.
-  Routes(const ContourService& contours, const ResultStore& store,
-         const std::atomic<bool>* stopping = nullptr)
-      : contours_(contours), store_(store), stopping_(stopping) {}
+  Routes(const ContourService& contours, const ResultStore& store, Jobs& jobs,
+         const Metrics* metrics = nullptr)
+      : contours_(contours), store_(store), jobs_(jobs), metrics_(metrics) {}
 
-  /// Never throws: whatever goes wrong is an answer too.
-  HttpResponse answer(const HttpRequest& request) const noexcept;
+  /// Answers, now or later; never throws: whatever goes wrong is an answer too.
+  void serve(HttpRequest request, std::shared_ptr<Exchange> exchange) noexcept;
+
+  /// The methods of this path, as `Allow` lists them; empty if nothing is there.
+  static std::string methods_of(std::string_view target);
+  /// The pattern that this path fits, "other" if none.
+  static std::string_view pattern_of(std::string_view target);
 
  private:
+  struct Call {
+    HttpRequest request;
+    std::string name;  ///< what stands for {} in the pattern
+    std::shared_ptr<Exchange> exchange;
+  };
   struct Row;
   static const Row kTable[];
+  using Answer = std::string (*)(std::string_view body, const std::atomic<bool>* cancelled);
 
-  HttpResponse dispatch(const HttpRequest& request) const;
+  void dispatch(HttpRequest request, const std::shared_ptr<Exchange>& exchange);
+  void run(const Row& row, const Call& call) noexcept;
+  bool is_chore(const Row& row, const Call& call) const;
 
-  HttpResponse post_contours(const HttpRequest& request, const std::string& unused) const;
-  HttpResponse post_paths(const HttpRequest& request, const std::string& unused) const;
-  HttpResponse post_irradiance(const HttpRequest& request, const std::string& unused) const;
-  HttpResponse post_analysis(const HttpRequest& request, const std::string& unused) const;
-  HttpResponse get_result(const HttpRequest& request, const std::string& name) const;
-  HttpResponse list_examples(const HttpRequest& request, const std::string& unused) const;
-  HttpResponse get_example(const HttpRequest& request, const std::string& name) const;
-  HttpResponse health(const HttpRequest& request, const std::string& unused) const;
-  HttpResponse openapi(const HttpRequest& request, const std::string& unused) const;
+  void post_contours(const Call& call);
+  void post_paths(const Call& call);
+  void post_irradiance(const Call& call);
+  void post_analysis(const Call& call);
+  void get_result(const Call& call);
+  void get_job(const Call& call);
+  void delete_job(const Call& call);
+  void get_job_events(const Call& call);
+  void list_examples(const Call& call);
+  void get_example(const Call& call);
+  void health(const Call& call);
+  void ready(const Call& call);
+  void metrics(const Call& call);
+  void openapi(const Call& call);
+
+  void compute(const Call& call, Answer answer);
 
   const ContourService& contours_;
   const ResultStore& store_;
-  const std::atomic<bool>* stopping_;
+  Jobs& jobs_;
+  const Metrics* metrics_;
+  /// For what takes long and is no computation: reading large bodies, writing large files.
+  Workers chores_{2, 256};
 };
 
 HttpResponse problem_response(const Problem& problem);

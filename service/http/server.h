@@ -1,37 +1,41 @@
-// The HTTP server: sockets in, Routes::answer() out.
+// The HTTP server: a listening socket in, connections to the reactor.
 #pragma once
 
-#include <cstddef>
 #include <memory>
 #include <string>
 
-#include "service/http/routes.h"
+#include "service/http/reactor.h"
 
 namespace caustic::service {
 
 struct ServerOptions {
   std::string host = "127.0.0.1";
   int port = 8080;  ///< 0: a free one
-  std::size_t max_body = 8u << 20;
-  int threads = 8;  ///< connections served at a time
+  ReactorOptions reactor;
 };
 
 class Server {
  public:
-  Server(const Routes& routes, const ServerOptions& options);
+  Server(HttpHandler handler, const ServerOptions& options);
   ~Server();
 
   /// The port, or -1 if the address cannot be had.
   int bind();
-  /// Serves until stop(); returns when every running answer has been sent.
+  /// Accepts connections until stop(). False if the listening socket failed.
   bool listen();
   bool is_listening() const;
-  /// From any thread, once, while it is listening: before that it is without effect.
-  void stop();
+  /// No more connections. From any thread, once, while it is listening: before that it is without
+  /// effect.
+  void stop_listening();
+  /// Ends what is idle and waits for the answers that are under way.
+  void drain(std::chrono::milliseconds patience);
+
+  std::size_t connections() const;
 
  private:
   struct Library;
   ServerOptions options_;
+  Reactor reactor_;
   std::unique_ptr<Library> library_;
 };
 

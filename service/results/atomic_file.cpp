@@ -1,6 +1,7 @@
 #include "service/results/atomic_file.h"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -9,6 +10,7 @@
 #include <system_error>
 
 #include "service/api/identity.h"
+#include "service/descriptor.h"
 
 namespace caustic::service {
 namespace {
@@ -17,21 +19,9 @@ namespace {
   throw std::system_error(errno, std::generic_category(), what);
 }
 
-/// A file descriptor that closes itself.
-class Descriptor {
- public:
-  Descriptor(const std::filesystem::path& path, int flags) : fd_(open(path.c_str(), flags, 0644)) {}
-  ~Descriptor() {
-    if (fd_ >= 0) close(fd_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int get() const { return fd_; }
-  explicit operator bool() const { return fd_ >= 0; }
-
- private:
-  int fd_;
-};
+Descriptor open_file(const std::filesystem::path& path, int flags) {
+  return Descriptor(open(path.c_str(), flags | O_CLOEXEC, 0644));
+}
 
 /// Removes a name when it goes out of scope.
 struct Remover {
@@ -58,30 +48,59 @@ bool rename_unless_there(const std::filesystem::path& from, const std::filesyste
 }
 
 void sync_folder(const std::filesystem::path& folder) {
-  const Descriptor descriptor(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  const Descriptor descriptor = open_file(folder, O_RDONLY | O_DIRECTORY);
   if (!descriptor || fsync(descriptor.get()) != 0) fail("sync folder");
 }
 
-}  // namespace
+/// A new file that is locked, so that nobody takes it for one that was left behind.
+Descriptor open_temporary(const std::filesystem::path& path) {
+  while (true) {
+    Descriptor file = open_file(path, O_WRONLY | O_CREAT | O_EXCL);
+    if (!file || flock(file.get(), LOCK_EX) != 0) fail("create");
+    struct stat status;
+    if (fstat(file.get(), &status) == 0 && status.st_nlink > 0) return file;
+    // Swept between its creation and the lock.
+  }
+}
 
-bool create_file(const std::filesystem::path& path, std::string_view bytes) {
+bool write_file(const std::filesystem::path& path, std::string_view bytes, bool replaces) {
   std::filesystem::path temporary = path;
   temporary += "." + random_id().substr(0, 16) + std::string(kTemporarySuffix);
-  bool is_new = false;
+  bool is_new = true;
   {
-    const Descriptor file(temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC);
-    if (!file) fail("create");
+    const Descriptor file = open_temporary(temporary);
     const Remover remover{temporary};  // of no effect once renamed
     write_all(file.get(), bytes);
     if (fsync(file.get()) != 0) fail("sync");
-    is_new = rename_unless_there(temporary, path);
+    if (!replaces)
+      is_new = rename_unless_there(temporary, path);
+    else if (rename(temporary.c_str(), path.c_str()) != 0)
+      fail("rename");
   }
   sync_folder(path.parent_path());
   return is_new;
 }
 
+}  // namespace
+
+bool create_file(const std::filesystem::path& path, std::string_view bytes) {
+  return write_file(path, bytes, false);
+}
+
+void replace_file(const std::filesystem::path& path, std::string_view bytes) {
+  write_file(path, bytes, true);
+}
+
+void sweep_temporaries(const std::filesystem::path& folder) {
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() != kTemporarySuffix) continue;
+    const Descriptor file = open_file(entry.path(), O_RDONLY);
+    if (file && flock(file.get(), LOCK_EX | LOCK_NB) == 0) unlink(entry.path().c_str());
+  }
+}
+
 std::optional<std::string> read_file(const std::filesystem::path& path) {
-  const Descriptor file(path, O_RDONLY | O_CLOEXEC);
+  const Descriptor file = open_file(path, O_RDONLY);
   if (!file && errno == ENOENT) return std::nullopt;
   struct stat status;
   if (!file || fstat(file.get(), &status) != 0) fail("open");

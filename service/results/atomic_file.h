@@ -16,6 +16,12 @@ constexpr std::string_view kTemporarySuffix = ".tmp";
 /// file removed.
 bool create_file(const std::filesystem::path& path, std::string_view bytes);
 
+/// The same, but what is there gives way.
+void replace_file(const std::filesystem::path& path, std::string_view bytes);
+
+/// Removes temporary files of this folder whose writers are gone. Those at work hold a lock.
+void sweep_temporaries(const std::filesystem::path& folder);
+
 /// Nothing if there is no such file; throws std::system_error if it cannot be read.
 std::optional<std::string> read_file(const std::filesystem::path& path);
 

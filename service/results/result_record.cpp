@@ -41,7 +41,8 @@ std::optional<Sizes> check(std::string_view bytes) {
 std::string labels_json(const PolylineSet& set) {
   return nlohmann::json{set.length_unit,    set.irradiance_unit,  set.quantity,
                         set.scene_json,     set.units_json,       set.engine_version,
-                        set.request_sha256, set.receiver_size[0], set.receiver_size[1], set.total}
+                        set.request_sha256, set.receiver_size[0], set.receiver_size[1],
+                        set.total}
       .dump();
 }
 

@@ -257,7 +257,7 @@ TEST_F(ServerTest, does_not_wait_for_idle_connections) {
 }
 
 TEST_F(ServerTest, stops_in_the_middle_of_work) {
-  ServerProcess other(folder.path() / "other");
+  ServerProcess other(folder.path() / "other", {"--grace", "100"});
   const HttpConnection idle(other.port());
   json request = ball_request();
   surface(request)["shape"] =

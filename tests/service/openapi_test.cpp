@@ -7,6 +7,7 @@
 #include "service/formats/format.h"
 #include "service/http/routes.h"
 #include "service/point_service.h"
+#include "tests/support/ask.h"
 #include "tests/support/requests.h"
 #include "tests/support/stub_engine.h"
 #include "tests/support/temporary_folder.h"
@@ -89,13 +90,14 @@ TEST(Openapi, answers_fit_it) {
   const test::TemporaryFolder folder;
   const ResultStore store(folder.path());
   const ContourService contours(test::draw_circles, store);
-  const Routes routes(contours, store);
+  Jobs jobs({1, 4});
+  Routes routes(contours, store, jobs);
   json request = test::ball_request();
   for (const bool stored : {true, false}) {
     request["store"] = stored;
     expect_valid("ContourAnswer", json::parse(contours.post(request.dump())));
   }
-  const auto bad = routes.answer({"POST", "/v1/contours", "application/json", "{}", false});
+  const auto bad = test::ask(routes, {"POST", "/v1/contours", "application/json", "{}", false});
   expect_valid("Problem", json::parse(bad.body));
 }
 
@@ -151,7 +153,8 @@ TEST(Openapi, every_path_is_served_and_every_format_is_there) {
   const test::TemporaryFolder folder;
   const ResultStore store(folder.path());
   const ContourService contours(test::draw_circles, store);
-  const Routes routes(contours, store);
+  Jobs jobs({1, 4});
+  Routes routes(contours, store, jobs);
   const json answer = json::parse(contours.post(test::ball_request().dump()));
   for (const auto& [path, methods] : document()["paths"].items()) {
     std::string target = path;
@@ -160,8 +163,8 @@ TEST(Openapi, every_path_is_served_and_every_format_is_there) {
       target.replace(at, 6, examples()[0].name);
     for (const auto& [method, operation] : methods.items()) {
       const bool is_post = method == "post";
-      const auto response = routes.answer({is_post ? "POST" : "GET", target, "application/json",
-                                           is_post ? body_for(path).dump() : "", false});
+      const auto response = test::ask(routes, {is_post ? "POST" : "GET", target, "application/json",
+                                               is_post ? body_for(path).dump() : "", false});
       EXPECT_EQ(response.status, 200) << path;
       EXPECT_TRUE(operation["responses"]["200"]["content"].contains(response.content_type)) << path;
     }

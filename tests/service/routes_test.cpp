@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "service/formats/format.h"
+#include "tests/support/ask.h"
 #include "tests/support/requests.h"
 #include "tests/support/stub_engine.h"
 #include "tests/support/temporary_folder.h"
@@ -18,11 +19,17 @@ namespace {
 using nlohmann::json;
 using test::ball_request;
 
+std::string header(const HttpResponse& response, const std::string& name) {
+  for (const auto& [key, value] : response.headers)
+    if (key == name) return value;
+  return "";
+}
+
 class RoutesTest : public testing::Test {
  protected:
   HttpResponse ask(const std::string& method, const std::string& target,
                    const std::string& body = "", const std::string& type = "application/json") {
-    return routes.answer({method, target, type, body, false});
+    return test::ask(routes, {method, target, type, body, false});
   }
   HttpResponse post(const json& request) { return ask("POST", "/v1/contours", request.dump()); }
 
@@ -35,7 +42,8 @@ class RoutesTest : public testing::Test {
                             return engine(system, request);
                           },
                           store};
-  Routes routes{contours, store};
+  Jobs jobs{{4, 16}};
+  Routes routes{contours, store, jobs};
 };
 
 TEST_F(RoutesTest, answers_as_the_contract_says) {
@@ -142,8 +150,7 @@ TEST_F(RoutesTest, serves_what_it_stored) {
     const HttpResponse file = ask("GET", answer["files"][format.suffix]);
     EXPECT_EQ(file.status, 200);
     EXPECT_EQ(file.content_type, format.media_type);
-    ASSERT_EQ(file.headers.size(), 1u);
-    EXPECT_EQ(file.headers[0].second,
+    EXPECT_EQ(header(file, "Content-Disposition"),
               "attachment; filename=" + answer["id"].get<std::string>() + "." + format.suffix);
     EXPECT_FALSE(file.body.empty());
     EXPECT_EQ(ask("HEAD", answer["files"][format.suffix]).status, 200);
@@ -254,8 +261,7 @@ TEST_F(RoutesTest, refuses_what_is_not_served) {
     EXPECT_EQ(response.status, status) << method << " " << target;
     EXPECT_EQ(json::parse(response.body)["status"], status);
   }
-  EXPECT_EQ(ask("GET", "/v1/contours").headers,
-            (std::vector<std::pair<std::string, std::string>>{{"Allow", "POST"}}));
+  EXPECT_EQ(ask("GET", "/v1/contours").headers, (HttpHeaders{{"Allow", "POST"}}));
 }
 
 TEST_F(RoutesTest, a_file_name_is_an_id_and_one_known_suffix) {
@@ -276,7 +282,7 @@ TEST_F(RoutesTest, wants_the_right_content_type) {
 }
 
 TEST_F(RoutesTest, a_body_over_the_limit_is_413) {
-  EXPECT_EQ(routes.answer({"POST", "/v1/contours", "application/json", "", true}).status, 413);
+  EXPECT_EQ(test::ask(routes, {"POST", "/v1/contours", "application/json", "", true}).status, 413);
 }
 
 TEST_F(RoutesTest, what_breaks_inside_stays_inside) {
@@ -312,21 +318,15 @@ TEST_F(RoutesTest, tells_its_health_and_its_contract) {
   EXPECT_EQ(document["info"]["version"], "0.1.0");
 }
 
-TEST(StoppingService, ends_what_runs) {
-  const test::TemporaryFolder folder;
-  const ResultStore store(folder.path());
-  std::atomic<bool> stopping = false;
-  const ContourService contours(
-      [&stopping](const auto& system, const auto& request) {
-        stopping = true;
-        EXPECT_TRUE(*request.cancelled);
-        return test::draw_circles(system, request);
-      },
-      store, &stopping);
-  EXPECT_EQ(Routes(contours, store)
-                .answer({"POST", "/v1/contours", "application/json", ball_request().dump(), false})
-                .status,
-            503);
+TEST_F(RoutesTest, stopping_ends_what_runs_and_refuses_more) {
+  engine = [this](const auto& system, const auto& request) {
+    jobs.interrupt();
+    EXPECT_TRUE(*request.cancelled);
+    return test::draw_circles(system, request);
+  };
+  EXPECT_EQ(post(ball_request()).status, 503);
+  EXPECT_EQ(post(ball_request()).status, 503);
+  EXPECT_EQ(runs, 1);
   EXPECT_EQ(folder.entries(), 0u);
 }
 

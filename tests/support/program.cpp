@@ -74,6 +74,7 @@ ServerProcess::ServerProcess(const std::filesystem::path& data,
     dup2(ends[1], 1);
     const rlimit limit{file_size_limit, file_size_limit};
     if (file_size_limit) setrlimit(RLIMIT_FSIZE, &limit);
+    setenv("ISOCAUSTIC_LOG", "off", 0);  // options come before the environment
     execv(argv[0], argv.data());
     _exit(127);
   }

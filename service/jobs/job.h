@@ -1,0 +1,80 @@
+// One computation: who waits for it, how far it is, how it ended.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <string>
+#include <variant>
+
+#include "service/jobs/job_report.h"
+
+namespace caustic::service {
+
+struct JobResult {
+  std::string answer;
+  std::string result_id = {};  ///< under which it is stored, if it is
+};
+/// A problem is passed on as a value: who waits in several threads shares no exception.
+using JobOutcome = std::variant<JobResult, Problem>;
+
+/// What a computation sees of its job.
+class JobControl {
+ public:
+  /// True once nobody wants the result any more, or the service stops.
+  const std::atomic<bool>* cancelled() const { return &cancelled_; }
+  /// The share that is done. Never goes back.
+  void report(double share);
+  /// Throws ProblemError (503) if it is cancelled.
+  void throw_if_cancelled() const;
+
+ protected:
+  std::atomic<bool> cancelled_ = false;
+  std::atomic<double> progress_ = 0.0;
+};
+
+/// Throws ProblemError for what is wrong with the request.
+using JobWork = std::function<JobResult(JobControl&)>;
+
+class Job : public JobControl {
+ public:
+  using Waiter = std::function<void(const JobOutcome&)>;
+
+  Job(std::string id, JobWork work) : id_(std::move(id)), work_(std::move(work)) {}
+
+  const std::string& id() const { return id_; }
+  JobReport report() const;
+  using JobControl::report;
+
+  /// Calls `waiter` with the outcome: now if it is there, else from the thread that finds it.
+  /// `who` is whatever leave() will be called with.
+  void wait(const void* who, Waiter waiter);
+  /// This one waits no longer. When the last one leaves and the job is not kept, it is cancelled.
+  void leave(const void* who);
+  /// It goes on even if nobody waits: somebody may ask for it later. False if it has ended.
+  bool keep();
+
+  /// Does the work, or nothing if it was cancelled before. `ended` is called before any waiter.
+  void run(const std::function<void(const JobReport&)>& ended);
+  /// Ends it as soon as the computation looks up; at once if that has not begun.
+  void dismiss(const std::function<void(const JobReport&)>& ended);
+  /// The same, because the service stops: it failed, and was interrupted.
+  void interrupt(const std::function<void(const JobReport&)>& ended);
+
+ private:
+  void end(JobState state, JobOutcome outcome, const std::function<void(const JobReport&)>& ended);
+  void cancel(bool dismissed, const std::function<void(const JobReport&)>& ended);
+  JobReport report_locked() const;
+
+  const std::string id_;
+  mutable std::mutex mutex_;
+  JobWork work_;
+  JobState state_ = JobState::accepted;
+  bool kept_ = false, dismissed_ = false;
+  std::multimap<const void*, Waiter> waiters_;
+  std::optional<JobOutcome> outcome_;
+};
+
+}  // namespace caustic::service

@@ -1,0 +1,101 @@
+#include "service/jobs/jobs.h"
+
+#include "service/api/identity.h"
+
+namespace caustic::service {
+namespace {
+
+/// So many jobs that have ended are remembered with their answers; the files remember longer.
+constexpr std::size_t kRemembered = 64;
+
+}  // namespace
+
+Jobs::Jobs(const JobOptions& options, JobFiles* files)
+    : files_(files), workers_(options.threads, options.most_waiting) {}
+
+Jobs::~Jobs() { interrupt(); }
+
+std::shared_ptr<Job> Jobs::start(const std::string& key, JobWork work) {
+  const std::lock_guard lock(mutex_);
+  if (stopping_) throw ProblemError(make_problem(503, "the service is stopping"));
+  // One that was given up, because all who asked have gone, will not give an answer.
+  if (const auto found = under_way_.find(key);
+      found != under_way_.end() && !*found->second->cancelled())
+    return found->second;
+  auto job = std::make_shared<Job>(random_id(), std::move(work));
+  const std::string name = key.empty() ? job->id() : key;
+  if (!workers_.submit([this, name, job] { run(name, job); }))
+    throw ProblemError(make_problem(503, "too many computations are waiting"));
+  under_way_[name] = job;
+  return job;
+}
+
+void Jobs::run(const std::string& key, const std::shared_ptr<Job>& job) {
+  ++running_;
+  job->run([&](const JobReport& report) { ended(key, report); });
+  // What was dismissed while it waited ended without passing here.
+  const std::lock_guard lock(mutex_);
+  if (const auto found = under_way_.find(key); found != under_way_.end() && found->second == job)
+    under_way_.erase(found);
+  --running_;
+}
+
+void Jobs::ended(const std::string& key, const JobReport& report) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (const auto found = under_way_.find(key);
+        found != under_way_.end() && found->second->id() == report.id)
+      under_way_.erase(found);
+    if (!kept_.contains(report.id)) return;
+    ended_.push_back(report.id);
+    for (; ended_.size() > kRemembered; ended_.pop_front()) kept_.erase(ended_.front());
+  }
+  if (files_) files_->save(report);
+}
+
+void Jobs::keep(const std::shared_ptr<Job>& job) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!kept_.emplace(job->id(), job).second) return;
+  }
+  const bool runs = job->keep();
+  // The file must say how it ended, whichever of the two comes first.
+  if (files_ && !files_->save(job->report()))
+    throw ProblemError(make_problem(507, "the job cannot be written down"));
+  if (!runs || job->report().ended()) ended(job->id(), job->report());
+}
+
+std::shared_ptr<Job> Jobs::kept_job(const std::string& id) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = kept_.find(id);
+  return found == kept_.end() ? nullptr : found->second;
+}
+
+std::optional<JobReport> Jobs::find(const std::string& id) const {
+  if (const auto job = kept_job(id)) return job->report();
+  return files_ ? files_->load(id) : std::nullopt;
+}
+
+std::optional<JobReport> Jobs::dismiss(const std::string& id) {
+  if (const auto job = kept_job(id)) {
+    job->dismiss([&](const JobReport& report) { ended(id, report); });
+    return job->report();
+  }
+  auto report = find(id);
+  if (report && !report->ended())
+    throw ProblemError(make_problem(409, "the job runs on another server"));
+  return report;
+}
+
+void Jobs::interrupt() {
+  std::map<std::string, std::shared_ptr<Job>> jobs;
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+    jobs = under_way_;
+  }
+  for (const auto& [key, job] : jobs)
+    job->interrupt([&, &name = key](const JobReport& report) { ended(name, report); });
+}
+
+}  // namespace caustic::service
