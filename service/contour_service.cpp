@@ -1,37 +1,11 @@
 #include "service/contour_service.h"
 
-#include <algorithm>
-#include <chrono>
-
 #include "service/api/answer_json.h"
 #include "service/api/identity.h"
 #include "service/api/problem.h"
 #include "service/formats/format.h"
 
 namespace caustic::service {
-namespace {
-
-/// What is done of a computation is not known for sure; that it ends when its time is up is. The
-/// larger share counts, and all is said to be done only when it is.
-constexpr double kAlmost = 0.99;
-
-class Progress {
- public:
-  Progress(JobControl& control, double time_limit)
-      : control_(control), time_limit_(time_limit), begin_(std::chrono::steady_clock::now()) {}
-  void operator()(double share) const {
-    const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin_;
-    control_.report(kAlmost * std::max(share, std::min(1.0, spent.count() / time_limit_)));
-  }
-
- private:
-  JobControl& control_;
-  double time_limit_;
-  std::chrono::steady_clock::time_point begin_;
-};
-
-}  // namespace
-
 std::string result_id(const ContourCall& call, const solver::ContourResult& result) {
   return result.complete ? call.id : random_id();
 }
@@ -51,7 +25,9 @@ std::shared_ptr<const std::string> ContourService::find(const ContourCall& call)
 
 JobResult ContourService::compute(ContourCall& call, JobControl& control) const {
   call.request.cancelled = control.cancelled();
-  call.request.progress = Progress(control, call.request.time_limit);
+  // The share is of the curves of sheets; what is made of them takes about as long.
+  call.request.progress = [&control](double share) { control.report(0.5 * share); };
+  control.expect(call.request.time_limit);
   solver::ContourResult result = engine_(call.system, call.request);
   control.throw_if_cancelled();
   throw_if_unsupported(result);

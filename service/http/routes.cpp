@@ -64,9 +64,10 @@ bool prefers_async(const HttpRequest& request) {
 }
 
 /// The answer to whoever waits for this job. Who leaves waits no longer.
-void answer_when_done(const std::shared_ptr<Job>& job, const std::shared_ptr<Exchange>& exchange) {
+void answer_when_done(Jobs& jobs, const std::shared_ptr<Job>& job,
+                      const std::shared_ptr<Exchange>& exchange) {
   const void* who = exchange.get();
-  exchange->on_leave([job, who] { job->leave(who); });
+  exchange->on_leave([&jobs, job, who] { jobs.leave(job, who); });
   job->wait(who, [exchange](const JobOutcome& outcome) {
     if (const auto* result = std::get_if<JobResult>(&outcome))
       exchange->answer(json_response(result->answer));
@@ -189,7 +190,8 @@ void Routes::post_contours(const Call& call) {
                                  return contours.compute(*asked, control);
                                });
   // What is stored nowhere has to be waited for.
-  if (!asked->store || !prefers_async(call.request)) return answer_when_done(job, call.exchange);
+  if (!asked->store || !prefers_async(call.request))
+    return answer_when_done(jobs_, job, call.exchange);
   jobs_.keep(job);
   call.exchange->answer(
       {202,
@@ -202,7 +204,7 @@ void Routes::compute(const Call& call, Answer answer) {
   const auto job = jobs_.start("", [answer, body = call.request.body](JobControl& control) {
     return JobResult{answer(body, control.cancelled())};
   });
-  answer_when_done(job, call.exchange);
+  answer_when_done(jobs_, job, call.exchange);
 }
 
 void Routes::post_paths(const Call& call) { compute(call, answer_paths); }

@@ -5,6 +5,8 @@
 namespace caustic::service {
 namespace {
 
+constexpr double kAlmost = 0.99;
+
 JobOutcome outcome_of(const JobWork& work, JobControl& control) {
   try {
     return work(control);
@@ -22,10 +24,22 @@ Problem interrupted_problem() { return make_problem(503, "interrupted: the servi
 
 }  // namespace
 
+void JobControl::expect(double seconds) {
+  begin_ = std::chrono::steady_clock::now();
+  seconds_ = seconds;
+}
+
 void JobControl::report(double share) {
-  double before = progress_.load(std::memory_order_relaxed);
-  while (share > before && !progress_.compare_exchange_weak(before, std::min(share, 1.0))) {
+  double before = reported_;
+  while (share > before && !reported_.compare_exchange_weak(before, share)) {
   }
+}
+
+double JobControl::progress() const {
+  const double seconds = seconds_;
+  const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin_.load();
+  const double of_time = seconds > 0.0 ? spent.count() / seconds : 0.0;
+  return kAlmost * std::min(1.0, std::max(of_time, reported_.load()));
 }
 
 void JobControl::throw_if_cancelled() const {
@@ -33,7 +47,7 @@ void JobControl::throw_if_cancelled() const {
 }
 
 JobReport Job::report_locked() const {
-  JobReport out{id_, state_, progress_, {}, {}};
+  JobReport out{id_, state_, progress(), {}, {}};
   if (!outcome_) return out;
   if (const auto* result = std::get_if<JobResult>(&*outcome_)) {
     out.result_id = result->result_id;
@@ -57,12 +71,13 @@ void Job::wait(const void* who, Waiter waiter) {
   waiter(*outcome_);  // once there it does not change
 }
 
-void Job::leave(const void* who) {
+bool Job::leave(const void* who) {
   std::multimap<const void*, Waiter> gone;  // destroyed after the lock
   const std::lock_guard lock(mutex_);
   for (auto at = waiters_.find(who); at != waiters_.end() && at->first == who;)
     gone.insert(waiters_.extract(at++));
-  if (!gone.empty() && waiters_.empty() && !kept_ && !outcome_) cancelled_ = true;
+  if (gone.empty() || !waiters_.empty() || kept_ || outcome_) return false;
+  return cancelled_ = true;
 }
 
 bool Job::keep() {

@@ -25,14 +25,21 @@ class JobControl {
  public:
   /// True once nobody wants the result any more, or the service stops.
   const std::atomic<bool>* cancelled() const { return &cancelled_; }
+  /// The computation begins now and takes at most so many seconds.
+  void expect(double seconds);
   /// The share that is done. Never goes back.
   void report(double share);
+  /// What is done for sure is seldom known; that it ends when its time is up is. The larger share
+  /// counts, and all is said to be done only when it is.
+  double progress() const;
   /// Throws ProblemError (503) if it is cancelled.
   void throw_if_cancelled() const;
 
  protected:
   std::atomic<bool> cancelled_ = false;
-  std::atomic<double> progress_ = 0.0;
+  std::atomic<double> reported_ = 0.0;
+  std::atomic<double> seconds_ = 0.0;
+  std::atomic<std::chrono::steady_clock::time_point> begin_{};
 };
 
 /// Throws ProblemError for what is wrong with the request.
@@ -51,8 +58,9 @@ class Job : public JobControl {
   /// Calls `waiter` with the outcome: now if it is there, else from the thread that finds it.
   /// `who` is whatever leave() will be called with.
   void wait(const void* who, Waiter waiter);
-  /// This one waits no longer. When the last one leaves and the job is not kept, it is cancelled.
-  void leave(const void* who);
+  /// This one waits no longer. True if it was the last one and the job is not kept: then it is
+  /// cancelled.
+  bool leave(const void* who);
   /// It goes on even if nobody waits: somebody may ask for it later. False if it has ended.
   bool keep();
 

@@ -24,28 +24,22 @@ std::shared_ptr<Job> Jobs::start(const std::string& key, JobWork work) {
     return found->second;
   auto job = std::make_shared<Job>(random_id(), std::move(work));
   const std::string name = key.empty() ? job->id() : key;
-  if (!workers_.submit([this, name, job] { run(name, job); }))
+  if (!workers_.submit([this, job] { run(job); }, job.get()))
     throw ProblemError(make_problem(503, "too many computations are waiting"));
   under_way_[name] = job;
   return job;
 }
 
-void Jobs::run(const std::string& key, const std::shared_ptr<Job>& job) {
+void Jobs::run(const std::shared_ptr<Job>& job) {
   ++running_;
-  job->run([&](const JobReport& report) { ended(key, report); });
-  // What was dismissed while it waited ended without passing here.
-  const std::lock_guard lock(mutex_);
-  if (const auto found = under_way_.find(key); found != under_way_.end() && found->second == job)
-    under_way_.erase(found);
+  job->run([&](const JobReport& report) { ended(report); });
   --running_;
 }
 
-void Jobs::ended(const std::string& key, const JobReport& report) {
+void Jobs::ended(const JobReport& report) {
   {
     const std::lock_guard lock(mutex_);
-    if (const auto found = under_way_.find(key);
-        found != under_way_.end() && found->second->id() == report.id)
-      under_way_.erase(found);
+    std::erase_if(under_way_, [&](const auto& entry) { return entry.second->id() == report.id; });
     if (!kept_.contains(report.id)) return;
     ended_.push_back(report.id);
     for (; ended_.size() > kRemembered; ended_.pop_front()) kept_.erase(ended_.front());
@@ -62,7 +56,7 @@ void Jobs::keep(const std::shared_ptr<Job>& job) {
   // The file must say how it ended, whichever of the two comes first.
   if (files_ && !files_->save(job->report()))
     throw ProblemError(make_problem(507, "the job cannot be written down"));
-  if (!runs || job->report().ended()) ended(job->id(), job->report());
+  if (!runs || job->report().ended()) ended(job->report());
 }
 
 std::shared_ptr<Job> Jobs::kept_job(const std::string& id) const {
@@ -78,13 +72,20 @@ std::optional<JobReport> Jobs::find(const std::string& id) const {
 
 std::optional<JobReport> Jobs::dismiss(const std::string& id) {
   if (const auto job = kept_job(id)) {
-    job->dismiss([&](const JobReport& report) { ended(id, report); });
+    job->dismiss([&](const JobReport& report) { ended(report); });
+    workers_.withdraw(job.get());
     return job->report();
   }
   auto report = find(id);
   if (report && !report->ended())
     throw ProblemError(make_problem(409, "the job runs on another server"));
   return report;
+}
+
+void Jobs::leave(const std::shared_ptr<Job>& job, const void* who) {
+  if (!job->leave(who)) return;
+  job->interrupt([&](const JobReport& report) { ended(report); });
+  workers_.withdraw(job.get());
 }
 
 void Jobs::interrupt() {
@@ -95,7 +96,7 @@ void Jobs::interrupt() {
     jobs = under_way_;
   }
   for (const auto& [key, job] : jobs)
-    job->interrupt([&, &name = key](const JobReport& report) { ended(name, report); });
+    job->interrupt([&](const JobReport& report) { ended(report); });
 }
 
 }  // namespace caustic::service

@@ -34,6 +34,8 @@ class Jobs {
   void keep(const std::shared_ptr<Job>& job);
   /// A job that was kept, here or by another server on the same folder.
   std::optional<JobReport> find(const std::string& id) const;
+  /// `who` waits no longer (Job::wait). What nobody waits for is given up.
+  void leave(const std::shared_ptr<Job>& job, const void* who);
   /// The report afterwards; nothing if there is no such job. Throws ProblemError (409) if it runs
   /// on another server.
   std::optional<JobReport> dismiss(const std::string& id);
@@ -46,8 +48,8 @@ class Jobs {
   bool full() const { return workers_.full(); }
 
  private:
-  void run(const std::string& key, const std::shared_ptr<Job>& job);
-  void ended(const std::string& key, const JobReport& report);
+  void run(const std::shared_ptr<Job>& job);
+  void ended(const JobReport& report);
   std::shared_ptr<Job> kept_job(const std::string& id) const;
 
   JobFiles* files_;

@@ -3,7 +3,8 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <utility>
+#include <algorithm>
+#include <iterator>
 
 namespace caustic::service {
 namespace {
@@ -19,7 +20,7 @@ Workers::Workers(int threads, std::size_t most_waiting) : most_waiting_(most_wai
 }
 
 Workers::~Workers() {
-  std::deque<std::function<void()>> dropped;
+  std::deque<Task> dropped;
   {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
@@ -29,14 +30,23 @@ Workers::~Workers() {
   for (std::thread& thread : threads_) thread.join();
 }
 
-bool Workers::submit(std::function<void()> task) {
+bool Workers::submit(std::function<void()> task, const void* tag) {
   {
     const std::lock_guard lock(mutex_);
     if (stopping_ || tasks_.size() >= most_waiting_) return false;
-    tasks_.push_back(std::move(task));
+    tasks_.emplace_back(tag, std::move(task));
   }
   changed_.notify_one();
   return true;
+}
+
+void Workers::withdraw(const void* tag) {
+  std::deque<Task> withdrawn;  // destroyed after the lock
+  const std::lock_guard lock(mutex_);
+  const auto end = std::stable_partition(tasks_.begin(), tasks_.end(),
+                                         [&](const Task& task) { return task.first != tag; });
+  withdrawn.assign(std::make_move_iterator(end), std::make_move_iterator(tasks_.end()));
+  tasks_.erase(end, tasks_.end());
 }
 
 std::size_t Workers::waiting() const {
@@ -50,7 +60,7 @@ void Workers::work() {
   while (true) {
     changed_.wait(lock, [this] { return stopping_ || !tasks_.empty(); });
     if (stopping_) return;
-    std::function<void()> task = std::move(tasks_.front());
+    std::function<void()> task = std::move(tasks_.front().second);
     tasks_.pop_front();
     lock.unlock();
     task();

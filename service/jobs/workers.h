@@ -7,6 +7,7 @@
 #include <functional>
 #include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace caustic::service {
@@ -20,19 +21,24 @@ class Workers {
   Workers(const Workers&) = delete;
   Workers& operator=(const Workers&) = delete;
 
-  /// First come, first served. False if the queue is full; then the task is not taken.
-  bool submit(std::function<void()> task);
+  /// First come, first served. False if the queue is full; then the task is not taken. `tag` is
+  /// for withdraw().
+  bool submit(std::function<void()> task, const void* tag = nullptr);
+  /// What waits with this tag will not be done, and makes room.
+  void withdraw(const void* tag);
 
   std::size_t waiting() const;
   bool full() const { return waiting() >= most_waiting_; }
 
  private:
+  using Task = std::pair<const void*, std::function<void()>>;
+
   void work();
 
   const std::size_t most_waiting_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<std::function<void()>> tasks_;
+  std::deque<Task> tasks_;
   bool stopping_ = false;
   std::vector<std::thread> threads_;
 };

@@ -1,13 +1,17 @@
 #include "service/results/result_store.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
 #include <sys/resource.h>
 
 #include <csignal>
 #include <fstream>
 #include <thread>
 
+#include "service/api/identity.h"
 #include "service/api/problem.h"
+#include "service/descriptor.h"
 #include "tests/support/polylines.h"
 #include "tests/support/temporary_folder.h"
 
@@ -95,6 +99,70 @@ TEST(ResultStore, a_damaged_record_is_none_and_gives_way) {
   EXPECT_FALSE(store.load_answer(kId));
   EXPECT_TRUE(store.save(kId, record("\"new\"")));
   EXPECT_EQ(store.load_answer(kId), "\"new\"");
+}
+
+TEST(ResultStore, leaves_alone_what_another_server_is_writing) {
+  const test::TemporaryFolder folder;
+  const fs::path path = folder.path() / (kId + ".record.0123456789abcdef.tmp");
+  const Descriptor writer(open(path.c_str(), O_WRONLY | O_CREAT, 0644));
+  ASSERT_EQ(flock(writer.get(), LOCK_EX), 0);
+  const ResultStore store(folder.path());
+  EXPECT_TRUE(fs::exists(path));
+}
+
+std::string id_of(int i) { return sha256_hex(std::to_string(i)); }
+
+TEST(ResultStore, what_was_not_asked_for_the_longest_makes_room) {
+  const test::TemporaryFolder folder;
+  const std::uint64_t size = encode(record("0")).size();
+  const ResultStore store(folder.path(), 10 * size);
+  const auto age = [&](int i, int seconds) {
+    fs::last_write_time(folder.path() / (id_of(i) + ".record"),
+                        fs::file_time_type::clock::now() - std::chrono::seconds(seconds));
+  };
+  for (int i = 0; i < 10; ++i) {
+    store.save(id_of(i), record(std::to_string(i)));
+    age(i, 100 - i);
+  }
+  EXPECT_EQ(store.bytes(), 10 * size);
+  EXPECT_EQ(folder.entries(), 10u);
+  EXPECT_TRUE(store.load_answer(id_of(0)));  // asked for, so others go first
+  store.save(id_of(10), record("X"));
+  EXPECT_EQ(folder.entries(), 9u);
+  EXPECT_LE(store.bytes(), 9 * size);
+  for (int i : {0, 3, 9, 10}) EXPECT_TRUE(store.load_answer(id_of(i))) << i;
+  for (int i : {1, 2}) EXPECT_FALSE(store.load_answer(id_of(i))) << i;
+  EXPECT_TRUE(store.save(id_of(1), record("1")));  // evicted is not forbidden
+  const ResultStore smaller(folder.path(), 4 * size);
+  EXPECT_LE(folder.entries(), 4u);
+  for (int i = 0; i < 11; ++i)  // what another server evicted is gone from memory too
+    EXPECT_EQ(store.find_answer(id_of(i)) != nullptr,
+              fs::exists(folder.path() / (id_of(i) + ".record")));
+}
+
+TEST(ResultStore, knows_whether_it_can_be_written) {
+  const test::TemporaryFolder folder;
+  const ResultStore store(folder.path() / "s");
+  EXPECT_TRUE(store.writable());
+  EXPECT_TRUE(fs::is_empty(folder.path() / "s"));
+  fs::remove(folder.path() / "s");
+  EXPECT_FALSE(store.writable());
+}
+
+TEST(AnswerCache, keeps_what_was_asked_for_lately) {
+  AnswerCache cache(1000);
+  const auto answer = [](std::size_t size) {
+    return std::make_shared<const std::string>(size, 'x');
+  };
+  for (int i = 0; i < 10; ++i) cache.add(id_of(i), answer(100));
+  EXPECT_TRUE(cache.find(id_of(0)));
+  cache.add(id_of(10), answer(100));
+  EXPECT_TRUE(cache.find(id_of(0)));
+  EXPECT_FALSE(cache.find(id_of(1)));
+  cache.add(id_of(11), answer(500));  // one must not push out all others
+  EXPECT_FALSE(cache.find(id_of(11)));
+  cache.remove(id_of(0));
+  EXPECT_FALSE(cache.find(id_of(0)));
 }
 
 TEST(ResultStore, a_full_disk_is_a_problem_and_leaves_nothing) {

@@ -18,12 +18,7 @@ namespace {
 
 using nlohmann::json;
 using test::ball_request;
-
-std::string header(const HttpResponse& response, const std::string& name) {
-  for (const auto& [key, value] : response.headers)
-    if (key == name) return value;
-  return "";
-}
+using test::header;
 
 class RoutesTest : public testing::Test {
  protected:

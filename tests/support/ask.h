@@ -23,6 +23,13 @@ class WaitingExchange : public service::Exchange {
   std::function<void()> leave_;
 };
 
+/// The value of this header, empty if there is none.
+inline std::string header(const service::HttpResponse& response, const std::string& name) {
+  for (const auto& [key, value] : response.headers)
+    if (key == name) return value;
+  return "";
+}
+
 inline service::HttpResponse ask(service::Routes& routes, service::HttpRequest request) {
   const auto exchange = std::make_shared<WaitingExchange>();
   routes.serve(std::move(request), exchange);

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <sstream>
+#include <utility>
 
 namespace caustic::test {
 
@@ -39,6 +40,12 @@ bool HttpConnection::fill() {
   if (count <= 0) return false;
   buffer_.append(bytes, static_cast<std::size_t>(count));
   return true;
+}
+
+std::string HttpConnection::receive_rest() {
+  while (fill()) {
+  }
+  return std::exchange(buffer_, {});
 }
 
 bool HttpConnection::closed_by_server() { return !fill(); }

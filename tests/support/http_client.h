@@ -25,6 +25,8 @@ class HttpConnection {
   bool send(const std::string& bytes);
   /// The next answer; `head_only` after a HEAD request.
   HttpReply receive(bool head_only = false);
+  /// All that comes until the server closes the connection.
+  std::string receive_rest();
   /// True if the server has closed the connection.
   bool closed_by_server();
 
