@@ -28,6 +28,8 @@ constexpr int kMaxSplits = 40;
 // within kNodeShare of the receiver's width after correction.
 constexpr double kNearNode = 1e-2;
 constexpr double kNodeShare = 1e-8;
+// Where E hardly varies its residual does not tell the place: this share of the width is to do so.
+constexpr double kPlaceShare = 1e-10;
 
 // The nodes on both sides of a boundary at which a sheet begins with E = 0 are this near to each
 // other, in widths of the receiver.
@@ -94,14 +96,16 @@ class ArcTracer::Impl final : public DirectionField {
 // Newton's method along ∇E, all sheets carried from where the step began.
 std::optional<ArcNode> ArcTracer::Impl::correct(const Vec2& start, double trust) {
   Vec2 q = start;
-  Branches there = from_->branches;
+  Branches branches = from_->branches;
   double previous = geometry::kInfinity;
   for (int i = 0; i < kMaxCorrections; ++i) {
-    if (!carrier_.carry(there, q)) return std::nullopt;
-    const Total total = total_of(there);
+    if (!carrier_.carry(branches, q)) return std::nullopt;
+    const Total total = total_of(branches);
     const double residual = std::abs(total.E / options_.level - 1.0);
-    if (residual <= options_.residual || (i > 3 && residual >= 0.5 * previous && residual < 1e-9)) {
-      return ArcNode{{q, std::move(there)}, along_level(total), 0.0};
+    const double off = std::abs(options_.level - total.E) / total.gradient.norm();
+    const bool there = residual <= options_.residual && off <= kPlaceShare * width_;
+    if (there || (i > 3 && residual >= 0.5 * previous && residual < 1e-9)) {
+      return ArcNode{{q, std::move(branches)}, along_level(total), 0.0};
     }
     previous = residual;
     q += ((options_.level - total.E) / total.gradient.squaredNorm()) * total.gradient;

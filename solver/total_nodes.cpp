@@ -10,6 +10,10 @@ namespace caustic::solver {
 
 namespace {
 
+// A node's place, in widths of the receiver; what rounding leaves of E₀/E − 1.
+constexpr double kNodePlace = 1e-10;
+constexpr double kLeastExcess = 1e-15;
+
 class NodeFinder {
  public:
   NodeFinder(SheetCarrier& carrier, const BoundaryCurve& curve, const BoundaryPiece& piece,
@@ -104,9 +108,13 @@ class NodeFinder {
       return excess(total(*last, side));
     };
     // Towards an end where nothing could be followed the level may lie beyond the last good place.
+    const double at_a = excess(total(a, side)), at_b = excess(total(b, side));
+    // Where E hardly varies its residual does not tell the place.
+    const double steepness = std::abs(at_b - at_a) / (b.at.q - a.at.q).norm();
+    const double place = kNodePlace * carrier_.system().receiver().width() * steepness;
+    const double small = std::min(residual_, std::max(place, kLeastExcess));
     geometry::illinois_root(
-        value, [&](double, double f) { return std::abs(f) <= residual_; }, 0.0, 1.0,
-        excess(total(a, side)), excess(total(b, side)));
+        value, [&](double, double f) { return std::abs(f) <= small; }, 0.0, 1.0, at_a, at_b);
     if (!last || std::abs(excess(total(*last, side))) > 1e3 * residual_) return std::nullopt;
     return Crossing{where, side, std::move(*last)};
   }
