@@ -97,6 +97,7 @@ Opening opening_at(SheetCarrier& carrier, const BoundaryCurve& curve, const Fiel
   };
   const Vec3 inside = -curve.function(field).gradient(at).normalized();
   if (curve.kind == BoundaryKind::caustic) return {visible(at), inside};
+  if (curve.edge && !curve.edge->possible(at)) return {false, inside};
   const double step = share * carrier.system().diameter();
   const auto beside = [&](double side) {
     const FieldPoint f =

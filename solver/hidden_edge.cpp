@@ -1,5 +1,6 @@
 #include "solver/hidden_edge.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -15,6 +16,8 @@ constexpr double kHiddenRoundings = 8.0;
 // place on the rim: a last step of this share of it leaves it right to the square of the share.
 constexpr int kStepsBeforeShare = 7;
 constexpr double kLastShareOfGap = 1e-7;
+// Places this near to a limit, as a share of the scene and of the segment, are on it.
+constexpr double kOnLimit = 1e-12;
 constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
@@ -142,6 +145,16 @@ int HiddenEdge::side(const FieldPoint& f) const {
   const double g_rises =
       hiding_.kind == Hiding::Kind::touch ? D.dot(d.hessian * D) : -d.gradient.dot(D);
   return g_rises > 0.0 ? 1 : -1;
+}
+
+bool HiddenEdge::possible(const FieldPoint& f) const {
+  const State& state = solve(f);
+  const double slack = kOnLimit * map_.system().diameter();
+  if (hiding_.kind != Hiding::Kind::point && !(state.t > -kOnLimit && state.t < 1.0 + kOnLimit))
+    return false;
+  return std::all_of(blocker().bounds.begin(), blocker().bounds.end(), [&](const auto& bound) {
+    return &bound == hiding_.bound || bound.value(state.y) <= slack;
+  });
 }
 
 std::vector<double> HiddenEdge::limits(const FieldPoint& f) const {

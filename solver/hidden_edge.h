@@ -54,6 +54,8 @@ class HiddenEdge {
   /// aperture, the ends of the segment, and on a rim or a point where the segment touches the
   /// surface.
   std::vector<double> limits(const FieldPoint& f) const;
+  /// False where it hides nothing since there is no surface, or not on the segment.
+  bool possible(const FieldPoint& f) const;
 
  private:
   struct State {

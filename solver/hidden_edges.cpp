@@ -21,6 +21,10 @@ constexpr double kCircle = 30.0;
 constexpr int kCirclePlaces = 24;
 // Edges like to lie along the axes, on which no place must be.
 constexpr double kCircleOffset = 0.28;
+// Next to the curve that a corner is on they are as dense as this; and what takes over from a curve
+// is looked for so far beyond, as a share of the scene.
+constexpr double kLeastAngle = 0.003;
+constexpr double kBeyondCorner = 1e-3;
 // Edges that others say are there reach at least so far, in widths of the receiver.
 constexpr double kLikelyReach = 0.02;
 // An edge is kept so many chord tolerances beyond its corners.
@@ -63,6 +67,24 @@ struct Walked {
   }
 };
 
+// Of places round a corner, more next to the curve that it is on: edges may leave at small angles.
+std::vector<double> angles_round(const FieldPoint& corner, const Vec3& along) {
+  std::vector<double> angles;
+  for (int k = 0; k < kCirclePlaces; ++k)
+    angles.push_back(2.0 * geometry::kPi * (k + kCircleOffset) / kCirclePlaces);
+  if (!along.isZero(0.0)) {
+    const double ahead = std::atan2(along.dot(corner.e2), along.dot(corner.e1));
+    for (double off = kLeastAngle; off < 2.0 * geometry::kPi / kCirclePlaces; off *= 3.0) {
+      for (const double phi :
+           {ahead - off, ahead + off, ahead - off + geometry::kPi, ahead + off + geometry::kPi})
+        angles.push_back(phi - 2.0 * geometry::kPi * std::floor(0.5 * phi / geometry::kPi));
+    }
+  }
+  std::sort(angles.begin(), angles.end());
+  angles.push_back(angles.front());
+  return angles;
+}
+
 class HiddenEdgeFinder {
  public:
   HiddenEdgeFinder(SheetCarrier& carrier, int field, std::vector<BoundaryCurve>& curves,
@@ -98,7 +120,8 @@ class HiddenEdgeFinder {
   }
   void add_brackets_of_cells();
   void add_brackets_of_shadows();
-  void add_brackets_around(const FieldPoint& corner, double reach);
+  void add_brackets_around(const FieldPoint& corner, double reach,
+                           const Vec3& along = Vec3::Zero());
   Walked walk(Walked edge);
   void find_corner(const BoundaryCurve& curve, FieldPoint a, FieldPoint b, bool real_at_a);
   void keep_real(const Walked& edge);
@@ -106,7 +129,7 @@ class HiddenEdgeFinder {
   void narrow(Bracket& bracket);
   bool known(const Bracket& bracket);
   bool known(const HiddenEdge& edge, const FieldPoint& at) const;
-  void add_vertex(Walked& edge, const Bracket& bracket);
+  bool add_vertex(Walked& edge, const Bracket& bracket);
   std::vector<std::shared_ptr<HiddenEdge>> candidates(const Bracket& bracket) const;
   bool trace(const std::shared_ptr<HiddenEdge>& edge, const Bracket& bracket);
 
@@ -172,11 +195,11 @@ void HiddenEdgeFinder::add_brackets_of_shadows() {
 }
 
 // A small circle about a corner is met by the edges that leave it.
-void HiddenEdgeFinder::add_brackets_around(const FieldPoint& corner, double reach) {
+void HiddenEdgeFinder::add_brackets_around(const FieldPoint& corner, double reach,
+                                           const Vec3& along) {
   const double radius = kCircle * kCornerPlace * diameter_;
   std::vector<std::pair<FieldPoint, bool>> circle;  // hidden or not
-  for (int k = 0; k <= kCirclePlaces; ++k) {
-    const double phi = 2.0 * geometry::kPi * (k + kCircleOffset) / kCirclePlaces;
+  for (const double phi : angles_round(corner, along)) {
     const Vec3 step = radius * (std::cos(phi) * corner.e1 + std::sin(phi) * corner.e2);
     FieldPoint f = evaluate_.on_surface(corner.x + step, corner.hits.get());
     if (!f.lit() || !field_.domain.contains(f)) {
@@ -207,13 +230,21 @@ Walked HiddenEdgeFinder::walk(Walked edge) {
 
 void HiddenEdgeFinder::find_corner(const BoundaryCurve& curve, FieldPoint a, FieldPoint b,
                                    bool real_at_a) {
+  const double reach = (b.x - a.x).norm();
+  const Vec3 beyond = (real_at_a ? 1.0 : -1.0) / reach * (b.x - a.x);
   for (int k = 0; k < kCornerSteps && (b.x - a.x).norm() > kCornerPlace * diameter_; ++k) {
     const auto middle =
         correct(evaluate_, curve.function(field_), 0.5 * (a.x + b.x), {residual_}, a.hits.get());
     if (!middle) break;
     (opening_at(carrier_, curve, *middle).real == real_at_a ? a : b) = *middle;
   }
-  add_brackets_around(a, kCircle * kCornerPlace * diameter_);
+  add_brackets_around(a, reach, beyond);
+  // What takes over may touch the curve there, and is told from it further on.
+  const double on = kBeyondCorner * diameter_;
+  if (const auto next = on < reach ? correct(evaluate_, curve.function(field_), a.x + on * beyond,
+                                             {residual_}, a.hits.get())
+                                   : std::nullopt)
+    add_brackets_around(*next, reach, beyond);
 }
 
 // Runs of vertices at which the edge is real, with as much more at either end that corners are on
@@ -271,8 +302,9 @@ bool HiddenEdgeFinder::known(const Bracket& bracket) {
     if (detour > kDetour * chord + 2.0 * length) continue;
     const HiddenEdge& h = *edge.curve.edge;
     if (h.value(bracket.visible) * h.value(bracket.hidden) > 0.0) continue;
-    if (!edge.of_domain && !edge.real[i] && !edge.real[edge.next(i)]) add_vertex(edge, bracket);
-    return true;
+    // Where it is none, another edge passes there too.
+    if (edge.of_domain || edge.real[i] || edge.real[edge.next(i)] || add_vertex(edge, bracket))
+      return true;
   }
   return false;
 }
@@ -289,11 +321,12 @@ bool HiddenEdgeFinder::known(const HiddenEdge& edge, const FieldPoint& at) const
   return false;
 }
 
-void HiddenEdgeFinder::add_vertex(Walked& edge, const Bracket& bracket) {
+// False if the edge is none there.
+bool HiddenEdgeFinder::add_vertex(Walked& edge, const Bracket& bracket) {
   const auto at = correct(evaluate_, edge.curve.function(field_), bracket.visible, {residual_});
-  if (!at || !opening_at(carrier_, edge.curve, *at).real) return;
+  if (!at || !opening_at(carrier_, edge.curve, *at).real) return false;
   const std::size_t i = edge.nearest(at->x).segment;
-  if (edge.real[i] || edge.real[edge.next(i)]) return;
+  if (edge.real[i] || edge.real[edge.next(i)]) return true;
   const FieldPoint before = edge.curve.own[i], after = edge.curve.own[edge.next(i)];
   const auto where = static_cast<std::ptrdiff_t>(i) + 1;
   edge.curve.q.insert(edge.curve.q.begin() + where, at->q);
@@ -301,6 +334,7 @@ void HiddenEdgeFinder::add_vertex(Walked& edge, const Bracket& bracket) {
   edge.real.insert(edge.real.begin() + where, true);
   find_corner(edge.curve, before, *at, false);
   find_corner(edge.curve, after, *at, false);
+  return true;
 }
 
 // What may be about to hide the path: each way in which each surface that hides the one may.

@@ -49,7 +49,8 @@ OpticalSystem ball_below_lamp(SystemSurface ball) {
   return OpticalSystem::build(PointLight{{0, 0, kLampHeight}, kLampIntensity}, {std::move(ball)},
                               floor_at(Point::Zero(), 4, 3));
 }
-const double kShadowAngle = std::asin(kBallRadius / (kLampHeight - kBallHeight));  // half the cone's angle
+const double kShadowAngle =
+    std::asin(kBallRadius / (kLampHeight - kBallHeight));  // half the cone's angle
 double lamp_on_floor(double r) {
   return kLampIntensity * kLampHeight / std::pow(kLampHeight * kLampHeight + r * r, 1.5);
 }
@@ -71,7 +72,8 @@ TEST(AnalysisOfDirectLight, IsASolidAngleWithoutThatOfABall) {
     const double r = k == 0 ? 1.4 : 1.0;
     expect_estimate(found.levels[k].area, kPi * (r * r - edge * edge), 1e-8);
     expect_estimate(found.levels[k].flux,
-                    2.0 * kPi * kLampIntensity * (std::cos(kShadowAngle) - std::cos(std::atan(r / kLampHeight))),
+                    2.0 * kPi * kLampIntensity *
+                        (std::cos(kShadowAngle) - std::cos(std::atan(r / kLampHeight))),
                     1e-8);
   }
   expect_estimate(found.levels[2].area, 0.0, 1e-12);
@@ -80,10 +82,12 @@ TEST(AnalysisOfDirectLight, IsASolidAngleWithoutThatOfABall) {
 // The ball shines, too: what it reflects begins at the edge of its shadow. By the polar angle t of
 // the ball, from the lamp's side.
 TEST(AnalysisOfDirectLight, CountsWhatABallReflectsBesideItsShadow) {
-  const auto system = ball_below_lamp(mirror(make_sphere({0, 0, kBallHeight}, kBallRadius), {}, 0.8));
+  const auto system =
+      ball_below_lamp(mirror(make_sphere({0, 0, kBallHeight}, kBallRadius), {}, 0.8));
   const double silhouette = std::acos(kBallRadius / (kLampHeight - kBallHeight));
   const auto psi = [](double t) {  // of the ray from the lamp
-    return std::atan2(kBallRadius * std::sin(t), kLampHeight - kBallHeight - kBallRadius * std::cos(t));
+    return std::atan2(kBallRadius * std::sin(t),
+                      kLampHeight - kBallHeight - kBallRadius * std::cos(t));
   };
   const auto arrival = [&](double t) {  // elevation of the ray after: ψ + 2 (π/2 − (t + ψ)) below
     const double down = 2.0 * t + psi(t) - kPi, z = kBallHeight + kBallRadius * std::cos(t);
@@ -96,7 +100,8 @@ TEST(AnalysisOfDirectLight, CountsWhatABallReflectsBesideItsShadow) {
   };
   const auto reflected = [&](double t) {
     const double r = arrival(t);
-    return 0.8 * kLampIntensity * std::abs(std::sin(psi(t)) * slope(psi, t) / (r * slope(arrival, t)));
+    return 0.8 * kLampIntensity *
+           std::abs(std::sin(psi(t)) * slope(psi, t) / (r * slope(arrival, t)));
   };
   const double edge = kLampHeight * std::tan(kShadowAngle);
   ASSERT_NEAR(arrival(silhouette), edge, 1e-12);

@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "tests/support/scenes.h"
+#include "tests/support/thorough.h"
 #include "tests/support/total_checks.h"
 
 namespace caustic::solver {
@@ -25,7 +28,7 @@ using test::one_mirror;
 using test::total_of;
 
 // Random points for an area.
-constexpr int kDirectPoints = 5000;
+constexpr int kDirectPoints = test::thorough(5000, 500);
 
 // Of a lamp of 1 W/sr at a on the floor z = 0.
 double lamp_at(const Point& a, const Vec2& q) {
@@ -160,6 +163,57 @@ TEST(DirectLight, EndsWhereAShellBegins) {
   expect_right_by_meter(over_floor({mirror(make_sphere({0.6, 0.1, 0.9}, 0.4),
                                            box_aperture({0, -1, 0.8}, {2, 1, 2}))}),
                         {0.04, 0.12, 0.165}, 4e-4);
+}
+
+// A cap a little above the middle of its ball: where the rim takes over from what touches rays,
+// both are nearly one.
+TEST(DirectLight, EndsWhereARimIsNearlyASilhouette) {
+  expect_right_by_meter(
+      OpticalSystem::build(PointLight{{0.05, -0.32, 2.52}, 1.0},
+                           {mirror(make_sphere({0.1, -0.51, 1.19}, 0.27),
+                                   box_aperture({-1, -2, 1.21}, {1, 1, 2}), 0.63)},
+                           floor_at(Point::Zero(), 4, 4)),
+      {0.057, 0.091, 0.133, 0.15}, 4e-4);
+}
+
+// A plate seen nearly from its edge, whose shadow is a sliver a hundredth wide.
+TEST(DirectLight, LeavesASliver) {
+  const Point lamp(0.715, 0.797, 2.853), on(-0.6817, 0.9896, 0.6717);
+  const Vec3 normal = Vec3(0.2616, -0.9316, -0.2256).normalized();
+  const auto system = OpticalSystem::build(
+      PointLight{lamp, 1.0},
+      {absorber(make_plane(on, normal),
+                box_aperture({-0.785, 0.8687, 0.5206}, {-0.5125, 1.1719, 1.005}))},
+      floor_at(Point::Zero(), 4, 4));
+  const auto result = total_of(system, {0.02}, 1e-5, true);
+  expect_settled(result);
+  expect_closed_rings(result, 4.0);
+  // The plate's corners, on four edges of its box, as the lamp throws them.
+  double twice = 0.0;
+  std::vector<Vec2> corners;
+  for (const auto& [x, z] :
+       {std::pair{-0.785, 0.5206}, {-0.785, 1.005}, {-0.5125, 1.005}, {-0.5125, 0.5206}}) {
+    const double y = on.y() - (normal.x() * (x - on.x()) + normal.z() * (z - on.z())) / normal.y();
+    const Vec3 d = Point(x, y, z) - lamp;
+    corners.push_back((lamp - lamp.z() / d.z() * d).head<2>());
+  }
+  for (std::size_t i = 0; i < 4; ++i) twice += geometry::cross(corners[i], corners[(i + 1) % 4]);
+  EXPECT_GT(std::abs(twice), 1e-4);
+  EXPECT_NEAR(area_above(result, 0.02), 16.0 - 0.5 * std::abs(twice), 1e-6);
+}
+
+// The direct light is even, so levels just above it are curves of what a far ball adds, a
+// thousandth.
+TEST(DirectLight, OfABeamHidesNoLevelOfWhatIsFaint) {
+  const Vec3 beam = Vec3(-0.6, -0.4, -1).normalized();
+  const auto system = OpticalSystem::build(CollimatedLight{beam, 0.2},
+                                           {mirror(make_sphere({0.97, 0.92, 1.13}, 0.1), {}, 0.94)},
+                                           floor_at(Point::Zero(), 4, 4));
+  const double even = -0.2 * beam.z();
+  const auto result = total_of(system, {1.0002 * even, 1.0006 * even, 1.001 * even}, 4e-4, true);
+  expect_settled(result);
+  expect_closed_rings(result, 4.0);
+  expect_areas(system, result, 4e-4, kDirectPoints, true);
 }
 
 // A window into water: above its surface the lamp itself, below what is refracted.
