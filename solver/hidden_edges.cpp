@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "solver/corrector.h"
-#include "solver/shadow_places.h"
+#include "solver/visibility_brackets.h"
 
 namespace caustic::solver {
 
@@ -14,16 +14,10 @@ namespace {
 // Before a bracket tells what hides it is halved so many times, and again where that failed.
 constexpr int kNarrowings = 10;
 constexpr int kNarrowingRounds = 4;
-// A corner is located to this share of the scene, and looked for on a circle so much larger.
-constexpr double kCornerPlace = 1e-6;
+// A corner is located to this share of a circle about it; what takes over there from a curve is
+// looked for so far beyond, too, as a share of the scene.
+constexpr double kCornerPlace = 1.0 / 30.0;
 constexpr int kCornerSteps = 60;
-constexpr double kCircle = 30.0;
-constexpr int kCirclePlaces = 24;
-// Edges like to lie along the axes, on which no place must be.
-constexpr double kCircleOffset = 0.28;
-// Next to the curve that a corner is on they are as dense as this; and what takes over from a curve
-// is looked for so far beyond, as a share of the scene.
-constexpr double kLeastAngle = 0.003;
 constexpr double kBeyondCorner = 1e-3;
 // Edges that others say are there reach at least so far, in widths of the receiver.
 constexpr double kLikelyReach = 0.02;
@@ -37,12 +31,6 @@ constexpr double kDetour = 0.1;
 constexpr double kSameEdge = 1e-9;
 // Newton's way to an edge, in lengths of its bracket.
 constexpr double kBracketTrust = 3.0;
-
-// Neighbouring places with an edge between them.
-struct Bracket {
-  FieldPoint visible, hidden;
-  double reach;  // size of the cell, m
-};
 
 // A curve, and at which of its vertices it bounds what is seen.
 struct Walked {
@@ -67,24 +55,6 @@ struct Walked {
   }
 };
 
-// Of places round a corner, more next to the curve that it is on: edges may leave at small angles.
-std::vector<double> angles_round(const FieldPoint& corner, const Vec3& along) {
-  std::vector<double> angles;
-  for (int k = 0; k < kCirclePlaces; ++k)
-    angles.push_back(2.0 * geometry::kPi * (k + kCircleOffset) / kCirclePlaces);
-  if (!along.isZero(0.0)) {
-    const double ahead = std::atan2(along.dot(corner.e2), along.dot(corner.e1));
-    for (double off = kLeastAngle; off < 2.0 * geometry::kPi / kCirclePlaces; off *= 3.0) {
-      for (const double phi :
-           {ahead - off, ahead + off, ahead - off + geometry::kPi, ahead + off + geometry::kPi})
-        angles.push_back(phi - 2.0 * geometry::kPi * std::floor(0.5 * phi / geometry::kPi));
-    }
-  }
-  std::sort(angles.begin(), angles.end());
-  angles.push_back(angles.front());
-  return angles;
-}
-
 class HiddenEdgeFinder {
  public:
   HiddenEdgeFinder(SheetCarrier& carrier, int field, std::vector<BoundaryCurve>& curves,
@@ -93,6 +63,7 @@ class HiddenEdgeFinder {
         index_(field),
         field_(carrier.field(field)),
         evaluate_(carrier.evaluator(field)),
+        search_(carrier, field),
         curves_(curves),
         budget_(budget),
         chord_(chord),
@@ -100,10 +71,10 @@ class HiddenEdgeFinder {
         diameter_(carrier.system().diameter()) {}
 
   std::size_t run(const std::vector<Point>& likely) {
-    add_brackets_of_cells();
-    if (field_.piece.hops.empty()) add_brackets_of_shadows();
+    search_.of_cells(budget_, brackets_);
+    if (field_.piece.hops.empty()) search_.of_shadows(brackets_);
     const double reach = kLikelyReach * carrier_.system().receiver().width();
-    for (const Point& x : likely) add_brackets_around(evaluate_.on_surface(x), reach);
+    for (const Point& x : likely) search_.around(evaluate_.on_surface(x), reach, {}, brackets_);
     for (const BoundaryCurve& curve : curves_) walk({curve, {}, false});
     for (std::size_t b = 0; b < brackets_.size() && !budget_.exhausted(); ++b) {
       take(Bracket(brackets_[b]));
@@ -115,13 +86,6 @@ class HiddenEdgeFinder {
   }
 
  private:
-  bool hidden(const FieldPoint& f) const {
-    return field_.visibility->hidden(field_.piece.hops, LightPath(field_.map, f));
-  }
-  void add_brackets_of_cells();
-  void add_brackets_of_shadows();
-  void add_brackets_around(const FieldPoint& corner, double reach,
-                           const Vec3& along = Vec3::Zero());
   Walked walk(Walked edge);
   void find_corner(const BoundaryCurve& curve, FieldPoint a, FieldPoint b, bool real_at_a);
   void keep_real(const Walked& edge);
@@ -137,6 +101,7 @@ class HiddenEdgeFinder {
   int index_;
   const FamilyField& field_;
   Evaluator& evaluate_;
+  BracketSearch search_;
   std::vector<BoundaryCurve>& curves_;
   std::vector<Walked> edges_;  // also where they hide nothing
   Budget& budget_;
@@ -144,76 +109,6 @@ class HiddenEdgeFinder {
   std::vector<Bracket> brackets_;
   std::size_t unexplained_ = 0;  // brackets of which no surface's edge was found
 };
-
-void HiddenEdgeFinder::add_brackets_of_cells() {
-  const Exploration& e = field_.exploration;
-  enum : char { unknown, seen, unseen, nowhere };
-  std::vector<char> status(e.samples.size(), unknown);
-  const auto look = [&](int sample) {
-    const FieldPoint& f = e.samples[sample];
-    if (status[sample] != unknown) return status[sample];
-    const bool there = f.arrives() && f.lit() && field_.domain.worst(f).value <= 0.0;
-    return status[sample] = there ? (hidden(f) ? unseen : seen) : nowhere;
-  };
-  for (const Cell& cell : e.cells) {
-    if (cell.hidden == 0.0 || budget_.exhausted()) continue;
-    const auto edge = [&](int a, int b) {
-      const char at_a = look(a), at_b = look(b);
-      if (at_a == seen && at_b == unseen)
-        brackets_.push_back({e.samples[a], e.samples[b], cell.radius});
-      if (at_b == seen && at_a == unseen)
-        brackets_.push_back({e.samples[b], e.samples[a], cell.radius});
-    };
-    for (std::size_t i = 0; i < cell.polygon.size(); ++i) {
-      edge(cell.polygon[i].sample, cell.polygon[(i + 1) % cell.polygon.size()].sample);
-      edge(cell.polygon[i].sample, cell.center);
-    }
-  }
-}
-
-// Of the direct light: what a surface hides however small it is, and the nearest place that it does
-// not.
-void HiddenEdgeFinder::add_brackets_of_shadows() {
-  std::vector<const FieldPoint*> seen;
-  for (const Cell& cell : field_.exploration.cells) {
-    const FieldPoint& f = field_.exploration.samples[cell.center];
-    if (cell.hidden < 1.0 && field_.domain.contains(f) && !hidden(f)) seen.push_back(&f);
-  }
-  if (seen.empty()) return;
-  for (const auto& places : places_behind_surfaces(carrier_.system())) {
-    for (const Point& x : places) {
-      FieldPoint f = evaluate_.on_surface(x);
-      if (!hidden(f)) continue;
-      const auto nearest = *std::min_element(
-          seen.begin(), seen.end(), [&](const FieldPoint* a, const FieldPoint* b) {
-            return (a->x - x).squaredNorm() < (b->x - x).squaredNorm();
-          });
-      brackets_.push_back({*nearest, f, (nearest->x - x).norm()});
-      break;
-    }
-  }
-}
-
-// A small circle about a corner is met by the edges that leave it.
-void HiddenEdgeFinder::add_brackets_around(const FieldPoint& corner, double reach,
-                                           const Vec3& along) {
-  const double radius = kCircle * kCornerPlace * diameter_;
-  std::vector<std::pair<FieldPoint, bool>> circle;  // hidden or not
-  for (const double phi : angles_round(corner, along)) {
-    const Vec3 step = radius * (std::cos(phi) * corner.e1 + std::sin(phi) * corner.e2);
-    FieldPoint f = evaluate_.on_surface(corner.x + step, corner.hits.get());
-    if (!f.lit() || !field_.domain.contains(f)) {
-      circle.clear();
-      continue;
-    }
-    const bool is_hidden = hidden(f);
-    if (!circle.empty() && circle.back().second != is_hidden) {
-      const FieldPoint& before = circle.back().first;
-      brackets_.push_back(is_hidden ? Bracket{before, f, reach} : Bracket{f, before, reach});
-    }
-    circle.assign(1, {std::move(f), is_hidden});
-  }
-}
 
 // Corners are where along a curve it begins or ceases to bound what is seen.
 Walked HiddenEdgeFinder::walk(Walked edge) {
@@ -230,21 +125,21 @@ Walked HiddenEdgeFinder::walk(Walked edge) {
 
 void HiddenEdgeFinder::find_corner(const BoundaryCurve& curve, FieldPoint a, FieldPoint b,
                                    bool real_at_a) {
-  const double reach = (b.x - a.x).norm();
+  const double reach = (b.x - a.x).norm(), place = kCornerPlace * search_.radius();
   const Vec3 beyond = (real_at_a ? 1.0 : -1.0) / reach * (b.x - a.x);
-  for (int k = 0; k < kCornerSteps && (b.x - a.x).norm() > kCornerPlace * diameter_; ++k) {
+  for (int k = 0; k < kCornerSteps && (b.x - a.x).norm() > place; ++k) {
     const auto middle =
         correct(evaluate_, curve.function(field_), 0.5 * (a.x + b.x), {residual_}, a.hits.get());
     if (!middle) break;
     (opening_at(carrier_, curve, *middle).real == real_at_a ? a : b) = *middle;
   }
-  add_brackets_around(a, reach, beyond);
+  search_.around(a, reach, beyond, brackets_);
   // What takes over may touch the curve there, and is told from it further on.
   const double on = kBeyondCorner * diameter_;
   if (const auto next = on < reach ? correct(evaluate_, curve.function(field_), a.x + on * beyond,
                                              {residual_}, a.hits.get())
                                    : std::nullopt)
-    add_brackets_around(*next, reach, beyond);
+    search_.around(*next, reach, beyond, brackets_);
 }
 
 // Runs of vertices at which the edge is real, with as much more at either end that corners are on
@@ -287,7 +182,7 @@ void HiddenEdgeFinder::narrow(Bracket& bracket) {
     FieldPoint middle = evaluate_.on_surface(0.5 * (bracket.visible.x + bracket.hidden.x),
                                              bracket.visible.hits.get());
     if (!middle.arrives()) return;
-    (hidden(middle) ? bracket.hidden : bracket.visible) = std::move(middle);
+    (search_.hidden(middle) ? bracket.hidden : bracket.visible) = std::move(middle);
   }
 }
 
