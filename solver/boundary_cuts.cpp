@@ -24,7 +24,7 @@ constexpr double kSegmentSlack = 0.1;
 constexpr double kSegmentEnds = 1e-9;
 constexpr double kBoundaryResidual = 1e-13;
 // Crossings this near to a contact, in widths of the receiver, are part of it.
-constexpr double kContactShare = 1e-6;
+constexpr double kContactShare = 1e-5;
 // What changes its sign is zero to this share of its values at both ends.
 constexpr double kSignShare = 1e-13;
 // Edges on the limit itself, to this share of the scene, do not pass it.

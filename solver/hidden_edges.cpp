@@ -19,7 +19,7 @@ constexpr int kNarrowingRounds = 4;
 constexpr double kCornerPlace = 1.0 / 30.0;
 constexpr int kCornerSteps = 60;
 constexpr double kBeyondCorner = 1e-3;
-// Edges that others say are there reach at least so far, in widths of the receiver.
+// Edges that are looked for at one place reach at least so far, in widths of the receiver.
 constexpr double kLikelyReach = 0.02;
 // An edge is kept so many chord tolerances beyond its corners.
 constexpr double kOverhang = 4.0;
@@ -125,8 +125,9 @@ Walked HiddenEdgeFinder::walk(Walked edge) {
 
 void HiddenEdgeFinder::find_corner(const BoundaryCurve& curve, FieldPoint a, FieldPoint b,
                                    bool real_at_a) {
-  const double reach = (b.x - a.x).norm(), place = kCornerPlace * search_.radius();
-  const Vec3 beyond = (real_at_a ? 1.0 : -1.0) / reach * (b.x - a.x);
+  const double length = (b.x - a.x).norm(), place = kCornerPlace * search_.radius();
+  const double reach = std::min(length, kLikelyReach * carrier_.system().receiver().width());
+  const Vec3 beyond = (real_at_a ? 1.0 : -1.0) / length * (b.x - a.x);
   for (int k = 0; k < kCornerSteps && (b.x - a.x).norm() > place; ++k) {
     const auto middle =
         correct(evaluate_, curve.function(field_), 0.5 * (a.x + b.x), {residual_}, a.hits.get());
@@ -136,9 +137,9 @@ void HiddenEdgeFinder::find_corner(const BoundaryCurve& curve, FieldPoint a, Fie
   search_.around(a, reach, beyond, brackets_);
   // What takes over may touch the curve there, and is told from it further on.
   const double on = kBeyondCorner * diameter_;
-  if (const auto next = on < reach ? correct(evaluate_, curve.function(field_), a.x + on * beyond,
-                                             {residual_}, a.hits.get())
-                                   : std::nullopt)
+  if (const auto next = on < length ? correct(evaluate_, curve.function(field_), a.x + on * beyond,
+                                              {residual_}, a.hits.get())
+                                    : std::nullopt)
     search_.around(*next, reach, beyond, brackets_);
 }
 

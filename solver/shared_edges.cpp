@@ -14,6 +14,8 @@ constexpr std::size_t kPlacesOfBoundary = 4;
 constexpr double kSharedPlace = 1e-6;
 // Polylines of one curve are this many chord tolerances apart at most.
 constexpr double kSharedChords = 3.0;
+// Next to the end of a segment is at this share of it.
+constexpr double kBesideEnd = 0.02;
 
 // The hop by which the mate's family has more than the edge's own.
 Hops with_hop(const Hops& hops, int at, const Hop& hop) {
@@ -64,14 +66,18 @@ void keep_rest(SheetCarrier& carrier, const BoundaryCurve& curve,
                const std::vector<BoundaryCurve>& edges, double chord,
                std::vector<BoundaryCurve>& out) {
   const std::size_t n = curve.own.size(), segments = curve.closed ? n : n - 1;
-  // A curve may end on an edge: segments count, not vertices.
+  // A curve may end on an edge, so what is next to a vertex counts, too; and where an edge ceases
+  // to be one, so does what it stands for.
   std::vector<char> shared(segments, 0);
   for (std::size_t i = 0; i < segments; ++i) {
-    const auto middle = settle_on(carrier, curve, on_segment(curve, i, 0.5));
+    const auto shares = [&](const BoundaryCurve& edge, const FieldPoint& end, double beside) {
+      if (edge.mate != curve.field || !stands_for(carrier, edge, end, chord)) return false;
+      const auto next = settle_on(carrier, curve, on_segment(curve, i, beside));
+      return next && stands_for(carrier, edge, next->own, chord);
+    };
     shared[i] = std::any_of(edges.begin(), edges.end(), [&](const BoundaryCurve& edge) {
-      return edge.mate == curve.field && stands_for(carrier, edge, curve.own[i], chord) &&
-             stands_for(carrier, edge, curve.own[(i + 1) % n], chord) &&
-             (!middle || stands_for(carrier, edge, middle->own, chord));
+      return shares(edge, curve.own[i], kBesideEnd) ||
+             shares(edge, curve.own[(i + 1) % n], 1.0 - kBesideEnd);
     });
   }
   const auto first = std::find(shared.begin(), shared.end(), 1);
