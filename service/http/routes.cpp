@@ -108,6 +108,12 @@ HttpResponse problem_response(const Problem& problem) {
   return {problem.status, "application/problem+json", to_json(problem), {}};
 }
 
+std::vector<std::pair<std::string, std::string>> Routes::all() {
+  std::vector<std::pair<std::string, std::string>> out;
+  for (const Row& row : kTable) out.emplace_back(row.method, row.pattern);
+  return out;
+}
+
 std::string Routes::methods_of(std::string_view target) {
   std::string out, unused;
   for (const Row& row : kTable) {

@@ -17,6 +17,8 @@ class Routes {
   /// Answers, now or later; never throws: whatever goes wrong is an answer too.
   void serve(HttpRequest request, std::shared_ptr<Exchange> exchange) noexcept;
 
+  /// All of the table, method and pattern.
+  static std::vector<std::pair<std::string, std::string>> all();
   /// The methods of this path, as `Allow` lists them; empty if nothing is there.
   static std::string methods_of(std::string_view target);
   /// The pattern that this path fits, "other" if none.

@@ -149,28 +149,120 @@ json body_for(const std::string& path) {
   return test::ball_request();
 }
 
-TEST(Openapi, every_path_is_served_and_every_format_is_there) {
-  const test::TemporaryFolder folder;
-  const ResultStore store(folder.path());
-  const ContourService contours(test::draw_circles, store);
-  Jobs jobs({1, 4});
-  Routes routes(contours, store, jobs);
-  const json answer = json::parse(contours.post(test::ball_request().dump()));
-  for (const auto& [path, methods] : document()["paths"].items()) {
-    std::string target = path;
-    if (const auto at = target.find("{id}"); at != target.npos) target.replace(at, 4, answer["id"]);
-    if (const auto at = target.find("{name}"); at != target.npos)
-      target.replace(at, 6, examples()[0].name);
-    for (const auto& [method, operation] : methods.items()) {
-      const bool is_post = method == "post";
-      const auto response = test::ask(routes, {is_post ? "POST" : "GET", target, "application/json",
-                                               is_post ? body_for(path).dump() : "", false});
-      EXPECT_EQ(response.status, 200) << path;
-      EXPECT_TRUE(operation["responses"]["200"]["content"].contains(response.content_type)) << path;
-    }
+/// A service with a stored result and jobs that have ended.
+class OpenapiService : public testing::Test {
+ protected:
+  HttpResponse ask(const std::string& method, const std::string& target,
+                   const std::string& body = "", HttpHeaders headers = {}) {
+    HttpRequest request{method, target, "application/json", body, false};
+    request.headers = std::move(headers);
+    return test::ask(routes, std::move(request));
   }
+  /// The answer is documented: its status, its media type, and its body if it is JSON.
+  void expect_documented(const std::string& path, const std::string& method,
+                         const HttpResponse& response) {
+    const json& operation = document()["paths"][path][method];
+    const std::string status = std::to_string(response.status), where = method + " " + path;
+    ASSERT_TRUE(operation["responses"].contains(status)) << where << ' ' << status;
+    const json& documented = operation["responses"][status];
+    EXPECT_EQ(documented.contains("content"), !response.content_type.empty()) << where;
+    if (response.content_type.empty()) return;
+    ASSERT_TRUE(documented["content"].contains(response.content_type))
+        << where << ' ' << response.content_type;
+    const json& schema = documented["content"][response.content_type]["schema"];
+    std::string why;
+    if (response.content_type.find("json") == std::string::npos) return;
+    EXPECT_TRUE(valid(schema, json::parse(response.body), why)) << where << ": " << why;
+  }
+  std::string filled(std::string path) {
+    const bool is_job = path.starts_with("/v1/jobs/");
+    if (const auto at = path.find("{id}"); at != path.npos)
+      path.replace(at, 4, is_job ? job : answer["id"].get<std::string>());
+    if (const auto at = path.find("{name}"); at != path.npos)
+      path.replace(at, 6, examples()[0].name);
+    return path;
+  }
+  static std::string upper(std::string method) {
+    for (char& c : method) c = static_cast<char>(std::toupper(c));
+    return method;
+  }
+
+  test::TemporaryFolder folder;
+  ResultStore store{folder.path()};
+  ContourService contours{test::draw_circles, store};
+  Jobs jobs{{1, 4}};
+  Routes routes{contours, store, jobs};
+  json answer = json::parse(contours.post(test::ball_request().dump()));
+  std::string job = [this] {
+    json request = test::ball_request();
+    request["levels"] = {0.0007};
+    const HttpResponse response =
+        ask("POST", "/v1/contours", request.dump(), {{"prefer", "wait=1, respond-async"}});
+    EXPECT_EQ(response.status, 202);
+    expect_documented("/v1/contours", "post", response);
+    return json::parse(response.body)["id"].get<std::string>();
+  }();
+};
+
+TEST_F(OpenapiService, every_path_is_served_and_every_format_is_there) {
+  for (const auto& [path, methods] : document()["paths"].items())
+    for (const auto& [method, operation] : methods.items()) {
+      const HttpResponse response =
+          ask(upper(method), filled(path), method == "post" ? body_for(path).dump() : "");
+      EXPECT_EQ(response.status, 200) << method << ' ' << path;
+      expect_documented(path, method, response);
+    }
   for (const Format& format : formats())
     EXPECT_TRUE(document()["paths"].contains(std::string("/v1/results/{id}.") + format.suffix));
+}
+
+TEST_F(OpenapiService, every_route_is_documented) {
+  for (auto [method, pattern] : Routes::all()) {
+    for (char& c : method) c = static_cast<char>(std::tolower(c));
+    bool found = false;
+    for (const auto& [path, methods] : document()["paths"].items()) {
+      const auto begin = path.find('{'), end = path.find('}');
+      const std::string plain =
+          begin == path.npos ? path : path.substr(0, begin) + "{}" + path.substr(end + 1);
+      found = found || (plain == pattern && methods.contains(method));
+    }
+    EXPECT_TRUE(found) << method << ' ' << pattern;
+  }
+}
+
+TEST_F(OpenapiService, errors_are_documented) {
+  for (const auto& [path, methods] : document()["paths"].items())
+    for (const auto& [method, operation] : methods.items()) {
+      if (method == "post") {
+        for (const char* body : {"", "{", "{}", "[]", "{\"scene\": 1e999}"})
+          expect_documented(path, method, ask("POST", path, body));
+        expect_documented(path, method, test::ask(routes, {"POST", path, "text/plain", "", false}));
+        expect_documented(path, method,
+                          test::ask(routes, {"POST", path, "application/json", "", true}));
+      } else if (path.find('{') != path.npos) {
+        std::string absent = filled(path);
+        if (absent.find("examples") != absent.npos)
+          absent = "/v1/examples/none";
+        else
+          absent.replace(path.find('{'), 64, std::string(64, '0'));
+        const HttpResponse response = ask(upper(method), absent);
+        EXPECT_EQ(response.status, 404);
+        expect_documented(path, method, response);
+      }
+    }
+  expect_documented("/v1/jobs/{id}/events", "get",
+                    ask("GET", "/v1/jobs/" + job + "/events", "", {{"last-event-id", "end"}}));
+  expect_documented("/v1/results/{id}", "get",
+                    ask("GET", filled("/v1/results/{id}"), "", {{"if-none-match", "*"}}));
+  jobs.interrupt();
+  json other = test::ball_request();
+  other["levels"] = {0.0008};
+  for (const char* path : {"/v1/contours", "/v1/paths", "/v1/irradiance", "/v1/analysis"}) {
+    const auto response = ask(
+        "POST", path, path == std::string("/v1/contours") ? other.dump() : body_for(path).dump());
+    EXPECT_EQ(response.status, 503);
+    expect_documented(path, "post", response);
+  }
 }
 
 }  // namespace
