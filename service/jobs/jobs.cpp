@@ -32,6 +32,13 @@ std::shared_ptr<Job> Jobs::start(const std::string& key, JobWork work) {
 
 void Jobs::run(const std::shared_ptr<Job>& job) {
   ++running_;
+  if (files_ && kept_job(job->id())) {
+    JobReport report = job->report();
+    if (report.state == JobState::accepted) {
+      report.state = JobState::running;
+      files_->save(report);
+    }
+  }
   job->run([&](const JobReport& report) { ended(report); });
   --running_;
 }
