@@ -51,6 +51,8 @@ struct ContourRequest {
   bool isolux = true;
   bool caustic = true;
   bool boundaries = false;             ///< of sheets; with the total only
+  bool critical_points = false;        ///< of what is measured
+  bool regions = false;                ///< between boundaries; with the total only
   double irradiance_tolerance = 1e-9;  ///< |E/level − 1| at every vertex
   double chord_tolerance = 0.0;        ///< m on the receiver; 0 means 1e-4 × its larger side
   double time_limit = 5.0;             ///< s
@@ -127,6 +129,23 @@ struct Curve {
   int ring_id = -1, ring_order = -1;
 };
 
+enum class CriticalType : std::uint8_t { minimum, maximum, saddle };
+
+/// Where the gradient of what is measured vanishes, inside of a face.
+struct CriticalPlace {
+  Vec2 uv;   ///< receiver axes, m
+  Point x;   ///< first hit on the reflector, of the brightest sheet, world, m
+  double E;  ///< W/m²
+  CriticalType type;
+  int family_id;  ///< −1 for the total
+};
+
+/// A face between boundaries.
+struct Region {
+  Vec2 uv_inside;  ///< a place well inside, receiver axes, m
+  int branches;    ///< sheets that arrive everywhere in it
+};
+
 struct FamilyReport {
   int id;
   std::vector<int> surfaces;
@@ -153,7 +172,9 @@ struct ContourResult {
   std::vector<FamilyReport> families;
   std::vector<double> levels;  ///< resolved, ascending
   Measure measure = Measure::sheet;
-  std::vector<Curve> curves;  ///< by kind, level, family, then smallest (u, v)
+  std::vector<Curve> curves;                   ///< by kind, level, family, then smallest (u, v)
+  std::vector<CriticalPlace> critical_points;  ///< by family, then (u, v); if asked for
+  std::vector<Region> regions;                 ///< if asked for
   bool certified = false;
   std::size_t undecided_cells = 0;
   std::size_t cells = 0;              ///< that the proof looked at
@@ -174,5 +195,6 @@ ContourResult trace_contours(const OpticalSystem& system, const ContourRequest& 
 /// Words of the contract (api.md) for the enumerations above.
 const char* to_string(CurveKind kind);
 const char* to_string(Ending ending);
+const char* to_string(CriticalType type);
 
 }  // namespace caustic::solver

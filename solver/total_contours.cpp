@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solver/critical_points.h"
+#include "solver/regions.h"
 #include "solver/rings.h"
 #include "solver/total_grid.h"
 
@@ -47,11 +49,27 @@ class TotalTracer {
         pieces_(cut_boundaries(carrier_, curves_, chord, budget)),
         grid_(carrier_) {
     result_.unresolved += pieces_.unresolved;
+    for (const Region& small :
+         find_regions(carrier_, curves_, pieces_.pieces, grid_.blind_below()).regions)
+      grid_.look_from(small.uv_inside);
     if (observer_) observer_->boundaries(carrier_, curves_, pieces_);
   }
 
   void keep_boundaries() {
     for (const BoundaryPiece& piece : pieces_.pieces) take(piece);
+  }
+
+  // Critical points are sought from the middle of each region too, however small it is.
+  void find_regions_and_critical_points(const TotalExtras& extras) {
+    Regions found = find_regions(carrier_, curves_, pieces_.pieces);
+    if (extras.critical_points) {
+      std::vector<Vec2> insides;
+      for (const Region& region : found.regions) insides.push_back(region.uv_inside);
+      result_.critical_points = critical_points_of_total(carrier_, insides);
+    }
+    if (!extras.regions) return;
+    result_.regions = std::move(found.regions);
+    result_.unresolved += found.unresolved;
   }
 
   TotalContours run(const std::vector<double>& levels) {
@@ -235,9 +253,10 @@ std::optional<std::string> total_unsupported(const std::vector<const FamilyField
 TotalContours trace_total(const OpticalSystem& system,
                           const std::vector<const FamilyField*>& fields,
                           const std::vector<double>& levels, double chord, double residual,
-                          bool boundaries, Budget& budget, TotalObserver* observer) {
+                          const TotalExtras& extras, Budget& budget, TotalObserver* observer) {
   TotalTracer tracer(system, fields, chord, residual, budget, observer);
-  if (boundaries) tracer.keep_boundaries();
+  if (extras.boundaries) tracer.keep_boundaries();
+  if (extras.critical_points || extras.regions) tracer.find_regions_and_critical_points(extras);
   return tracer.run(levels);
 }
 

@@ -19,8 +19,16 @@ struct TotalContours {
   std::vector<Curve> curves;  ///< rings numbered, not yet sorted
   std::vector<Curve>
       boundaries;  ///< if wanted: pieces along which the sheets on either side are the same
+  std::vector<CriticalPlace> critical_points;  ///< if wanted
+  std::vector<Region> regions;                 ///< if wanted
   std::size_t unresolved =
       0;  ///< boundary pieces, arcs and rings that could not be followed or closed
+};
+
+/// What else than levels is wanted.
+struct TotalExtras {
+  bool boundaries = false, critical_points = false, regions = false;
+  bool any() const { return boundaries || critical_points || regions; }
 };
 
 /// Looks on while a total is traced, at everything with all its sheets.
@@ -42,6 +50,7 @@ class TotalObserver {
 TotalContours trace_total(const OpticalSystem& system,
                           const std::vector<const FamilyField*>& fields,
                           const std::vector<double>& levels, double chord, double residual,
-                          bool boundaries, Budget& budget, TotalObserver* observer = nullptr);
+                          const TotalExtras& extras, Budget& budget,
+                          TotalObserver* observer = nullptr);
 
 }  // namespace caustic::solver

@@ -5,24 +5,21 @@
 #include <cmath>
 
 #include "geometry/root_finding.h"
+#include "solver/critical_points.h"
 
 namespace caustic::solver {
 
 namespace {
 
 constexpr int kExtremeCells = 24;  // a side
-// Steps towards a critical point: the longest and the one of differences for the Hessian, in widths
-// of the receiver; how many, and how often each is halved. They end when the next would gain less
-// than this share.
+// Steps towards a critical point: the longest, in widths of the receiver; how many, and how often
+// each is halved. They end when the next would gain less than this share.
 constexpr double kLongestClimb = 0.02;
-constexpr double kDifference = 1e-5;
 constexpr int kMaxClimbs = 60;
 constexpr int kMaxShorter = 20;
 constexpr double kLastGain = 1e-14;
 // Totals that differ by no more than this share are of the same sheets.
 constexpr double kSameTotal = 1e-7;
-// Sheets end this many roundings beyond their domain.
-constexpr double kSheetEndRoundings = 100.0;
 // Curvatures below this share of the other one's, or that would change E by less than this share
 // over the receiver, are rounding of the differences.
 constexpr double kNoCurvature = 1e-6;
@@ -72,8 +69,6 @@ class ExtremeFinder {
                     const BoundaryVertex& b);
   void look_inside();
   void climb(const Start& start, double sign);
-  std::optional<geometry::Mat2> hessian(const Vec2& q, const Branches& at);
-  bool exist(const Branches& branches) const;
 
   SheetCarrier& carrier_;
   const std::vector<BoundaryCurve>& curves_;
@@ -202,33 +197,6 @@ void ExtremeFinder::look_inside() {
   }
 }
 
-std::optional<geometry::Mat2> ExtremeFinder::hessian(const Vec2& q, const Branches& at) {
-  const double h = kDifference * receiver_.width();
-  geometry::Mat2 H;
-  for (const int axis : {0, 1}) {
-    Vec2 slopes[2];
-    for (const int side : {0, 1}) {
-      Branches there = at;
-      Vec2 to = q;
-      to[axis] += side == 0 ? -h : h;
-      if (!carrier_.carry(there, to)) return std::nullopt;
-      slopes[side] = total_of(there).gradient;
-    }
-    H.col(axis) = (slopes[1] - slopes[0]) / (2.0 * h);
-  }
-  return geometry::Mat2(0.5 * (H + H.transpose()));
-}
-
-// Carrying does not ask where a sheet ends.
-bool ExtremeFinder::exist(const Branches& branches) const {
-  return std::all_of(branches.begin(), branches.end(), [&](const Branch& b) {
-    const FamilyField& field = carrier_.field(b.field);
-    return b.at.lit() &&
-           field.domain.worst(b.at).value <= kSheetEndRoundings * field.map.rounding(b.at.x) *
-                                                 (1.0 + b.at.q_s.norm() + b.at.q_t.norm());
-  });
-}
-
 // Newton's method for ∇E = 0, each eigenvalue of the Hessian taken to be of the sign that climbs;
 // as far as the sheets can be carried. Where it stops at a boundary, that has been looked along.
 void ExtremeFinder::climb(const Start& start, double sign) {
@@ -238,7 +206,7 @@ void ExtremeFinder::climb(const Start& start, double sign) {
   Branches at = start.branches;
   Total total = total_of(at);
   for (int i = 0; i < kMaxClimbs; ++i) {
-    const auto H = hessian(q, at);
+    const auto H = hessian_of_total(carrier_, q, at);
     if (!H) return;
     Eigen::SelfAdjointEigenSolver<geometry::Mat2> eigen;
     eigen.computeDirect(*H);
@@ -261,7 +229,7 @@ void ExtremeFinder::climb(const Start& start, double sign) {
     for (int k = 0; k < kMaxShorter && !moved; ++k, step *= 0.5) {
       Branches there = at;
       if (!receiver_.contains(q + step) || !carrier_.carry(there, q + step)) continue;
-      if (!exist(there)) continue;
+      if (!sheets_exist(carrier_, there)) continue;
       const Total next = total_of(there);
       if (sign * (next.E - total.E) < -kLastGain * total.E) continue;
       q += step;

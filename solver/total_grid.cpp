@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solver/critical_points.h"
+
 namespace caustic::solver {
 
 namespace {
@@ -15,6 +17,11 @@ constexpr int kFaceHalvings = 16;
 constexpr double kOffset = 0.0137;
 // Beside an arc is so many chord tolerances from its polyline.
 constexpr double kBesideArc = 2.0;
+// In cells: how far an extreme may be from where it is sought, and how near to it a node is no end
+// of its spoke. Extremes whose places, in cells, or totals differ by less than the last are one.
+constexpr double kRoamCells = 3.0;
+constexpr double kTooNear = 0.05;
+constexpr double kSameExtreme = 1e-7;
 
 }  // namespace
 
@@ -25,6 +32,53 @@ TotalGrid::TotalGrid(SheetCarrier& carrier)
       nodes_.push_back(node_at(place(i, j)));
     }
   }
+  find_spokes();
+}
+
+void TotalGrid::find_spokes() {
+  const auto extreme = [&](int i, int j, double sign) {
+    const double E = sign * nodes_[index(i, j)].total;
+    for (int n = std::max(0, j - 1); n <= std::min(count_, j + 1); ++n) {
+      for (int m = std::max(0, i - 1); m <= std::min(count_, i + 1); ++m) {
+        if (sign * nodes_[index(m, n)].total > E) return false;
+      }
+    }
+    return true;
+  };
+  for (int j = 0; j <= count_; ++j) {
+    for (int i = 0; i <= count_; ++i) {
+      if (extreme(i, j, 1.0) || extreme(i, j, -1.0))
+        add_spoke(place(i, j), nodes_[index(i, j)].branches);
+    }
+  }
+  for (int k = 0; k < carrier_.field_count(); ++k) {
+    for (const CriticalPoint& c : carrier_.field(k).critical) {
+      if (carrier_.system().receiver().contains(c.field.q))
+        add_spoke(c.field.q, carrier_.find(c.field.q));
+    }
+  }
+}
+
+// To the node that is nearest but not so near that it may be the same place.
+void TotalGrid::add_spoke(const Vec2& start, const Branches& branches) {
+  const Vec2 origin = place(0, 0), step = place(1, 1) - origin;
+  auto found = settle(carrier_, start, branches, kRoamCells * step.maxCoeff());
+  if (!found || found->type == CriticalType::saddle) return;
+  const auto known = [&](const Spoke& spoke) {
+    return (spoke.from - found->q).norm() <= kSameExtreme * step.norm();
+  };
+  if (std::any_of(spokes_.begin(), spokes_.end(), known)) return;
+  // Sheets may have begun on the way that were not carried.
+  Node node = node_at(found->q);
+  if (std::abs(node.total - found->total.E) > kSameExtreme * node.total) return;
+  const Vec2 share = (found->q - origin).cwiseQuotient(step);
+  const auto nearest = [&](double at) {
+    const int k = static_cast<int>(std::lround(at));
+    const int beside = std::abs(at - k) > kTooNear ? k : k < count_ ? k + 1 : k - 1;
+    return std::clamp(beside, 0, count_);
+  };
+  const int i = nearest(share.x()), j = nearest(share.y());
+  spokes_.push_back({std::move(node), nodes_[index(i, j)], found->q, place(i, j)});
 }
 
 Vec2 TotalGrid::place(int i, int j) const {
@@ -40,6 +94,10 @@ void TotalGrid::begin(double level) {
   above_ = right_;
   unsure_.assign(nodes_.size(), 0);
   given_up_above_ = given_up_right_ = unsure_;
+  for (Spoke& spoke : spokes_) {
+    spoke.passed.clear();
+    spoke.unsure = spoke.given_up = false;
+  }
 }
 
 TotalGrid::Node TotalGrid::node_at(const Vec2& q) {
@@ -73,6 +131,7 @@ void TotalGrid::add(const std::vector<Vec2>& polyline, bool closed, double chord
   chord_ = chord;
   for (std::size_t k = 0; k < (closed ? n : n - 1); ++k) {
     doubt_nodes_near(polyline[k], polyline[(k + 1) % n], chord);
+    add_to_spokes(polyline[k], polyline[(k + 1) % n], chord);
     const Vec2 a = (polyline[k] - origin).cwiseQuotient(step);
     const Vec2 b = (polyline[(k + 1) % n] - origin).cwiseQuotient(step);
     for (const int axis : {0, 1}) {
@@ -94,7 +153,39 @@ void TotalGrid::add(const std::vector<Vec2>& polyline, bool closed, double chord
   }
 }
 
+void TotalGrid::add_to_spokes(const Vec2& a, const Vec2& b, double distance) {
+  const Vec2 along = b - a;
+  const auto near = [&](const Vec2& q) {
+    const double w = std::clamp(along.dot(q - a) / along.squaredNorm(), 0.0, 1.0);
+    return (q - a - w * along).norm() <= distance;
+  };
+  for (Spoke& spoke : spokes_) {
+    spoke.unsure = spoke.unsure || near(spoke.from) || near(spoke.to);
+    // A crossing counts for one of two segments that meet on the spoke.
+    const Vec2 way = spoke.to - spoke.from, across(-way.y(), way.x());
+    const double before = across.dot(a - spoke.from), after = across.dot(b - spoke.from);
+    if ((before > 0.0) == (after > 0.0)) continue;
+    const Vec2 at = a + before / (before - after) * along;
+    const double share = way.dot(at - spoke.from) / way.squaredNorm();
+    if (share >= 0.0 && share <= 1.0) spoke.passed.push_back(share);
+  }
+}
+
+std::optional<TotalGrid::Place> TotalGrid::missing_on(Spoke& spoke) {
+  if (spoke.unsure || spoke.given_up) return std::nullopt;
+  const bool differ = (spoke.extreme.total >= level_) != (spoke.end.total >= level_);
+  if (differ == (spoke.passed.size() % 2 == 1)) return std::nullopt;
+  spoke.given_up = true;
+  auto at = level_on_edge(spoke.extreme, spoke.from, spoke.end, spoke.to, spoke.passed);
+  if (!at) ++undecided_;
+  return at;
+}
+
 std::optional<TotalGrid::Place> TotalGrid::missing() {
+  for (Spoke& spoke : spokes_) {
+    if (auto at = missing_on(spoke)) return at;
+  }
+
   for (int j = 0; j <= count_; ++j) {
     for (int i = 0; i <= count_; ++i) {
       const Node& a = nodes_[index(i, j)];

@@ -1,6 +1,8 @@
 // A grid of totals on the receiver that finds what tracing from the boundaries cannot: closed arcs
 // inside a face. Where the totals at two neighbours say that a level lies between, an odd number of
-// arcs must pass between them (S55).
+// arcs must pass between them (S55). Neighbours are also each maximum and minimum that is found
+// from the grid and from the critical points of sheets, and the node next to it (S66): an arc about
+// one of these is found however small it is.
 #pragma once
 
 #include <cstddef>
@@ -14,6 +16,12 @@ namespace caustic::solver {
 class TotalGrid {
  public:
   explicit TotalGrid(SheetCarrier& carrier);
+
+  /// Seeks a maximum or a minimum from here too, before the first level: in a face that is too small
+  /// for the grid.
+  void look_from(const Vec2& q) { add_spoke(q, carrier_.find(q)); }
+  /// What is less wide or less high than this may lie between its nodes, m.
+  double blind_below() const { return (place(2, 2) - place(0, 0)).maxCoeff(); }
 
   /// Begins a new level: nothing has been traced.
   void begin(double level);
@@ -34,8 +42,19 @@ class TotalGrid {
     Branches branches;
     double total;
   };
+  /// From an extreme of the total to a node.
+  struct Spoke {
+    Node extreme, end;
+    Vec2 from, to;
+    std::vector<double> passed = {};  ///< shares at which arcs pass it
+    bool unsure = false, given_up = false;
+  };
   std::size_t index(int i, int j) const { return static_cast<std::size_t>(j * (count_ + 1) + i); }
   Vec2 place(int i, int j) const;
+  void find_spokes();
+  void add_spoke(const Vec2& from, const Branches& branches);
+  void add_to_spokes(const Vec2& a, const Vec2& b, double distance);
+  std::optional<Place> missing_on(Spoke& spoke);
   void doubt_nodes_near(const Vec2& a, const Vec2& b, double distance);
   std::optional<Place> level_on_edge(const Node& a, const Vec2& qa, const Node& b, const Vec2& qb,
                                      std::vector<double> passed);
@@ -47,6 +66,7 @@ class TotalGrid {
   Vec2 half_;
   int count_;
   std::vector<Node> nodes_;
+  std::vector<Spoke> spokes_;
   double level_ = 0.0;
   double chord_ = 0.0;
   // Shares at which arcs pass the edge to the right of a node, and the one above it.

@@ -8,6 +8,7 @@
 
 #include "solver/certify_contours.h"
 #include "solver/contour_task.h"
+#include "solver/critical_points.h"
 #include "solver/itineraries.h"
 #include "solver/total_contours.h"
 
@@ -83,7 +84,10 @@ class Run {
     std::vector<ContourTask> tasks = make_tasks();
     run_all(tasks, request_, budget_, chord_, residual_);
     collect(tasks);
-    if (measure_ == Measure::total) add_total();
+    if (measure_ == Measure::total)
+      add_total();
+    else if (request_.critical_points)
+      add_critical_points();
     sort_curves(result_.curves);
     if (budget_.exhausted()) {
       result_.complete = false;
@@ -114,6 +118,7 @@ class Run {
   void conclude();
   std::vector<const FamilyField*> fields_of_total() const;
   void add_total();
+  void add_critical_points();
   void warn(const std::string& code, const std::string& detail) {
     for (const Warning& w : result_.warnings) {
       if (w.code == code && w.detail == detail) return;
@@ -383,13 +388,20 @@ std::vector<const FamilyField*> Run::fields_of_total() const {
   return fields;
 }
 
+void Run::add_critical_points() {
+  SheetCarrier carrier(system_, fields_of_total(), budget_);
+  result_.critical_points = critical_points_of_sheets(carrier);
+}
+
 void Run::add_total() {
   const auto fields = fields_of_total();
-  const bool wanted = !result_.levels.empty() || request_.boundaries || request_.observer;
+  const TotalExtras extras{request_.boundaries, request_.critical_points, request_.regions};
+  const bool wanted = !result_.levels.empty() || extras.any() || request_.observer;
   if (fields.empty() || !wanted) return;
-  TotalContours total =
-      trace_total(system_, fields, result_.levels, chord_, residual_,
-                                    request_.boundaries, budget_, request_.observer);
+  TotalContours total = trace_total(system_, fields, result_.levels, chord_, residual_, extras,
+                                    budget_, request_.observer);
+  result_.critical_points = std::move(total.critical_points);
+  result_.regions = std::move(total.regions);
   std::move(total.curves.begin(), total.curves.end(), std::back_inserter(result_.curves));
   std::move(total.boundaries.begin(), total.boundaries.end(), std::back_inserter(result_.curves));
   if (total.unresolved > 0 && !budget_.exhausted()) {
@@ -419,6 +431,18 @@ const char* to_string(CurveKind kind) {
       return "boundary";
   }
   return "isolux";
+}
+
+const char* to_string(CriticalType type) {
+  switch (type) {
+    case CriticalType::minimum:
+      return "min";
+    case CriticalType::maximum:
+      return "max";
+    case CriticalType::saddle:
+      return "saddle";
+  }
+  return "saddle";
 }
 
 const char* to_string(Ending ending) {

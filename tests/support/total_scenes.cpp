@@ -17,6 +17,13 @@ SystemSurface expression(const char* text, const Box& bounds) {
       geometry::make_expression(geometry::read_expression(text, 1.0), bounds, {}).surface);
 }
 
+OpticalSystem waves_over(const geometry::ReceiverFrame& floor) {
+  SystemSurface water = expression("z-0.1*sin(6.283185307179586*x)-0.06*cos(6.283185307179586*y)",
+                                   {Point(-1, -1, -0.2), Point(2, 2, 0.2)});
+  water.optics = {.kind = Optics::Kind::refract, .index_outside = 1.0, .index_inside = 1.33};
+  return OpticalSystem::build(CollimatedLight{{0, 0, -1}, 1.0}, {water}, floor);
+}
+
 }  // namespace
 
 OpticalSystem ball_under_ceiling() {
@@ -47,13 +54,8 @@ OpticalSystem two_plates() {
                               floor_at({0, 0, 1.5}, 3, 3));
 }
 
-OpticalSystem crossing_waves() {
-  SystemSurface water = expression("z-0.1*sin(6.283185307179586*x)-0.06*cos(6.283185307179586*y)",
-                                   {Point(-1, -1, -0.2), Point(2, 2, 0.2)});
-  water.optics = {.kind = Optics::Kind::refract, .index_outside = 1.0, .index_inside = 1.33};
-  return OpticalSystem::build(CollimatedLight{{0, 0, -1}, 1.0}, {water},
-                              floor_at({0.45, 0.37, -1.6}, 1, 1));
-}
+OpticalSystem crossing_waves() { return waves_over(floor_at({0.45, 0.37, -1.6}, 1, 1)); }
+OpticalSystem shallow_crossing_waves() { return waves_over(floor_at({0.45, 0.37, -0.4}, 1, 1)); }
 
 OpticalSystem tilted_dish() {
   return one_mirror(CollimatedLight{Vec3(0.3, 0.1, -1).normalized(), 1.0},

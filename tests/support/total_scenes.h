@@ -25,6 +25,9 @@ solver::OpticalSystem two_plates();
 /// Water with waves across each other, on a floor below where its light has met.
 solver::OpticalSystem crossing_waves();
 
+/// The same before its light meets, on a floor of one wave by one wave.
+solver::OpticalSystem shallow_crossing_waves();
+
 /// A spherical dish, tilted in a beam, with both of its caustics near the receiver.
 solver::OpticalSystem tilted_dish();
 
