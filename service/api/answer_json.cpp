@@ -98,6 +98,27 @@ ordered_json curve_json(const Curve& curve, std::size_t id, double metres, bool 
   return out;
 }
 
+ordered_json critical_points_json(const ContourResult& result, double metres) {
+  auto out = ordered_json::array();
+  for (const solver::CriticalPlace& c : result.critical_points) {
+    out.push_back({{"uv", {c.uv.x() / metres, c.uv.y() / metres}},
+                   {"x", {c.x.x() / metres, c.x.y() / metres, c.x.z() / metres}},
+                   {"E", c.E},
+                   {"type", solver::to_string(c.type)},
+                   {"family_id", c.family_id}});
+  }
+  return out;
+}
+
+ordered_json regions_json(const ContourResult& result, double metres) {
+  auto out = ordered_json::array();
+  for (const solver::Region& region : result.regions) {
+    out.push_back({{"uv_inside", {region.uv_inside.x() / metres, region.uv_inside.y() / metres}},
+                   {"branches", region.branches}});
+  }
+  return out;
+}
+
 ordered_json completeness_json(const ContourResult& result, double metres) {
   ordered_json out{{"certified", result.certified}, {"undecided_cells", result.undecided_cells}};
   if (!result.unproven.empty()) out["unproven"] = result.unproven;
@@ -170,17 +191,20 @@ std::string answer_json(const ContourCall& call, const ContourResult& result, co
     skipped.push_back({{"stage", stage}, {"reason", reason}});
   for (const auto& [code, detail] : result.warnings)
     warnings.push_back({{"code", code}, {"detail", detail}});
-  std::string out = write_json(
-      ordered_json{{"id", id},
-                   {"engine_version", kEngineVersion},
-                   {"complete", result.complete},
-                   {"families", families_json(call, result)},
-                   {"curves", std::move(curves)},
-                   {"completeness", completeness_json(result, metres)},
-                   {"skipped", std::move(skipped)},
-                   {"work", {{"evaluations", result.evaluations}, {"seconds", result.seconds}}},
-                   {"warnings", std::move(warnings)},
-                   {"files", files_json(id, stored)}});
+  ordered_json answer{{"id", id},
+                      {"engine_version", kEngineVersion},
+                      {"complete", result.complete},
+                      {"families", families_json(call, result)},
+                      {"curves", std::move(curves)},
+                      {"completeness", completeness_json(result, metres)},
+                      {"skipped", std::move(skipped)},
+                      {"work", {{"evaluations", result.evaluations}, {"seconds", result.seconds}}},
+                      {"warnings", std::move(warnings)},
+                      {"files", files_json(id, stored)}};
+  if (call.request.critical_points)
+    answer["critical_points"] = critical_points_json(result, metres);
+  if (call.request.regions && total) answer["regions"] = regions_json(result, metres);
+  std::string out = write_json(answer);
   if (!geojson.empty()) {
     out.back() = ',';
     out += "\"geojson\":" + geojson + "}";

@@ -19,31 +19,43 @@ constexpr double kDefaultTimeMs = 5000;
 constexpr int kDefaultVertices = 500'000;
 constexpr int kDefaultCells = 200'000;
 
-void read_include(ObjectReader& root, ContourRequest& request) {
-  Faults& faults = root.faults();
-  const JsonPlace place = root.member_or("include", {"caustic", "isolux"});
-  request.isolux = request.caustic = false;
-  for (const JsonPlace& word : read_elements(place, 100, faults)) {
-    const std::string name = read_string(word, faults);
-    if (name == "isolux")
-      request.isolux = true;
-    else if (name == "caustic")
-      request.caustic = true;
-    else if (name == "boundaries" && request.measure == solver::Measure::total)
-      request.boundaries = true;
-    else if (name == "boundaries")
-      faults.add(word.pointer, "belongs to the total: see measure");
-    else if (name == "critical_points")
-      faults.not_supported(word.pointer, name);
-    else if (word.value->is_string())
-      faults.add(word.pointer, "must be one of: isolux, caustic, critical_points, boundaries");
+/// What an answer may include, in the order of the canonical request.
+struct Included {
+  const char* name;
+  bool ContourRequest::*wanted;
+  bool of_total;  ///< it belongs to the total only
+};
+constexpr Included kIncluded[] = {{"boundaries", &ContourRequest::boundaries, true},
+                                  {"caustic", &ContourRequest::caustic, false},
+                                  {"critical_points", &ContourRequest::critical_points, false},
+                                  {"isolux", &ContourRequest::isolux, false},
+                                  {"regions", &ContourRequest::regions, true}};
+
+void read_included(const JsonPlace& word, ContourRequest& request, Faults& faults) {
+  const std::string name = read_string(word, faults);
+  std::string names;
+  for (const Included& included : kIncluded) {
+    names += (names.empty() ? "" : ", ") + std::string(included.name);
+    if (name != included.name) continue;
+    if (included.of_total && request.measure != solver::Measure::total)
+      return faults.add(word.pointer, "belongs to the total: see measure");
+    request.*included.wanted = true;
+    return;
   }
+  if (word.value->is_string()) faults.add(word.pointer, "must be one of: " + names);
+}
+
+void read_include(ObjectReader& root, ContourRequest& request) {
+  const JsonPlace place = root.member_or("include", {"caustic", "isolux"});
+  for (const Included& included : kIncluded) request.*included.wanted = false;
+  for (const JsonPlace& word : read_elements(place, 100, root.faults()))
+    read_included(word, request, root.faults());
   if (!place.value->is_array()) return;
-  if (place.value->empty()) faults.add(place.pointer, "needs at least one kind of curve");
+  if (place.value->empty()) root.faults().add(place.pointer, "needs at least one of its words");
   *place.value = json::array();  // a set: neither order nor repetition is part of the question
-  if (request.boundaries) place.value->push_back("boundaries");
-  if (request.caustic) place.value->push_back("caustic");
-  if (request.isolux) place.value->push_back("isolux");
+  for (const Included& included : kIncluded) {
+    if (request.*included.wanted) place.value->push_back(included.name);
+  }
 }
 
 void read_tolerance(ObjectReader& root, const Scene& scene, ContourRequest& request) {

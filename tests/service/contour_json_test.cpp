@@ -57,13 +57,17 @@ TEST(ContourJson, fills_the_defaults_in) {
       R"("type":"sphere"}}]})");
 }
 
-TEST(ContourJson, boundaries_come_with_the_total) {
+TEST(ContourJson, boundaries_and_regions_come_with_the_total) {
   json request = ball_request();
-  request["include"] = {"boundaries"};
+  request["include"] = {"boundaries", "regions"};
   const ContourCall call = read_contour_call(request.dump());
-  EXPECT_TRUE(call.request.boundaries);
-  EXPECT_FALSE(call.request.isolux);
+  EXPECT_TRUE(call.request.boundaries && call.request.regions);
+  EXPECT_FALSE(call.request.isolux || call.request.caustic || call.request.critical_points);
   request["measure"] = "sheet";
+  EXPECT_EQ(pointers_of(request), (Pointers{"/include/0", "/include/1"}));
+  request["include"] = {"critical_points"};
+  EXPECT_TRUE(read_contour_call(request.dump()).request.critical_points);
+  request["include"] = {"points"};
   EXPECT_EQ(pointers_of(request), Pointers{"/include/0"});
 }
 

@@ -101,6 +101,28 @@ TEST(Openapi, answers_fit_it) {
   expect_valid("Problem", json::parse(bad.body));
 }
 
+TEST(Openapi, everything_included_fits_it) {
+  const test::TemporaryFolder folder;
+  const ResultStore store(folder.path());
+  const ContourService contours(solver::trace_contours, store);
+  json request = json::parse(find_example("nephroid")->body);
+  request["scene"]["length_unit"] = "mm";  // all of it a thousandth as large
+  request["include"] = {"isolux", "caustic", "boundaries", "critical_points", "regions"};
+  expect_valid("ContourRequest", request);
+  json answer = json::parse(contours.post(request.dump()));
+  expect_valid("ContourAnswer", answer);
+  EXPECT_FALSE(answer["regions"].empty());
+  for (const json& region : answer["regions"])
+    EXPECT_LT(std::abs(region["uv_inside"][0].get<double>()), 2.0);
+  request["measure"] = "sheet";
+  request["include"] = {"critical_points"};
+  answer = json::parse(contours.post(request.dump()));
+  expect_valid("ContourAnswer", answer);
+  EXPECT_TRUE(answer.contains("critical_points"));
+  EXPECT_TRUE(answer["curves"].empty());
+  EXPECT_FALSE(answer.contains("regions"));
+}
+
 TEST(Openapi, certified_answers_fit_it) {
   const test::TemporaryFolder folder;
   const ResultStore store(folder.path());

@@ -147,7 +147,6 @@ TEST(SceneJson, says_what_this_version_lacks) {
   const std::pair<const char*, const char*> cases[] = {
       {"/scene/light", R"({"type":"photometric_file","content":"x"})"},
       {"/certify", "true"},
-      {"/include", R"(["isolux","critical_points"])"},
   };
   for (const auto& [pointer, value] : cases) {
     json request = ball_request();
