@@ -191,7 +191,10 @@ Visibility::Room Visibility::room(const Segment& segment) const {
 }
 
 Visibility::Room Visibility::room(const Segment& segment, int index) const {
-  const auto& [name, shape, bounds, optics, region] = system_.surfaces()[index];
+  const auto& surface = system_.surfaces()[index];
+  const auto& shape = surface.shape;
+  const auto& bounds = surface.bounds;
+  const auto& region = surface.region;
   const Ray& ray = segment.ray;
   const bool own = index == segment.own, target = index == segment.target;
   if (!own && !region.may_meet(ray, margin_)) return {false, {1.0 / margin_, 1.0 / margin_}};

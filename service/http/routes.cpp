@@ -9,6 +9,7 @@
 #include "service/examples/examples.h"
 #include "service/formats/format.h"
 #include "service/http/caching.h"
+#include "service/http/docs_page.h"
 #include "service/http/job_events.h"
 #include "service/point_service.h"
 
@@ -101,6 +102,7 @@ const Routes::Row Routes::kTable[] = {
     {"GET",    "/readyz",            false, &Routes::ready},
     {"GET",    "/metrics",           false, &Routes::metrics},
     {"GET",    "/openapi.json",      false, &Routes::openapi},
+    {"GET",    "/docs",              false, &Routes::docs},
 };
 // clang-format on
 
@@ -313,6 +315,18 @@ void Routes::metrics(const Call& call) {
 
 void Routes::openapi(const Call& call) {
   call.exchange->answer(json_response(std::string(openapi_document())));
+}
+
+void Routes::docs(const Call& call) {
+  static const std::string page = docs_page(openapi_document());
+  HttpResponse response{200,
+                        "text/html; charset=utf-8",
+                        page,
+                        {{"Content-Security-Policy",
+                          "default-src 'none'; style-src 'unsafe-inline'; base-uri 'none'; "
+                          "form-action 'none'; frame-ancestors 'none'"}}};
+  compress(call.request, response);
+  call.exchange->answer(std::move(response));
 }
 
 }  // namespace caustic::service

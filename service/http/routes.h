@@ -52,6 +52,7 @@ class Routes {
   void ready(const Call& call);
   void metrics(const Call& call);
   void openapi(const Call& call);
+  void docs(const Call& call);
 
   void compute(const Call& call, Answer answer);
 

@@ -238,6 +238,25 @@ TEST_F(OpenapiService, every_path_is_served_and_every_format_is_there) {
     EXPECT_TRUE(document()["paths"].contains(std::string("/v1/results/{id}.") + format.suffix));
 }
 
+TEST_F(OpenapiService, the_page_shows_all_of_it) {
+  const HttpResponse page = ask("GET", "/docs");
+  EXPECT_NE(test::header(page, "Content-Security-Policy").find("default-src 'none'"),
+            std::string::npos);
+  for (const auto& [path, methods] : document()["paths"].items())
+    for (const auto& [method, operation] : methods.items()) {
+      EXPECT_NE(page.body.find("<code>" + upper(method) + ' ' + path + "</code>"),
+                std::string::npos);
+    }
+  // Every link within the page leads somewhere.
+  for (auto at = page.body.find("href=\"#"); at != std::string::npos;
+       at = page.body.find("href=\"#", at + 1)) {
+    const auto begin = at + 7, end = page.body.find('"', begin);
+    EXPECT_NE(page.body.find("id=\"" + page.body.substr(begin, end - begin) + '"'),
+              std::string::npos);
+  }
+  EXPECT_EQ(page.body.find("<script"), std::string::npos);
+}
+
 TEST_F(OpenapiService, every_route_is_documented) {
   for (auto [method, pattern] : Routes::all()) {
     for (char& c : method) c = static_cast<char>(std::tolower(c));
