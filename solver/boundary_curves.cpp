@@ -76,11 +76,12 @@ BoundaryCurves curves_along(SheetCarrier& carrier, int field, BoundaryKind kind,
   out.unresolved += task.lost_seeds;
   for (const Trace& trace : task.traces) {
     BoundaryCurve curve{kind, field, function.boundary, trace.closed, {}, {}};
-    for (std::size_t i = 0; i < trace.vertices.size(); ++i) {
+    for (std::size_t i = 0; i < trace.vertices.size() && !budget.out_of_time(); ++i) {
       const Hit* near = trace.hits.empty() ? nullptr : trace.hits[i].get();
       curve.own.push_back(carrier.evaluator(field)(trace.vertices[i].x, near));
       curve.q.push_back(curve.own.back().q);
     }
+    if (curve.own.size() < trace.vertices.size()) break;  // out of time
     out.unresolved += trace.stalled;
     out.curves.push_back(std::move(curve));
   }

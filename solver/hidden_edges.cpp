@@ -114,7 +114,7 @@ class HiddenEdgeFinder {
 Walked HiddenEdgeFinder::walk(Walked edge) {
   if (edge.of_domain) return edge;
   for (const FieldPoint& f : edge.curve.own)
-    edge.real.push_back(opening_at(carrier_, edge.curve, f).real);
+    edge.real.push_back(!budget_.out_of_time() && opening_at(carrier_, edge.curve, f).real);
   for (std::size_t i = 0; i < edge.segments() && !budget_.exhausted(); ++i) {
     const std::size_t next = edge.next(i);
     if (edge.real[i] != edge.real[next])
