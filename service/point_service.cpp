@@ -22,9 +22,14 @@ void throw_if_cancelled(const std::atomic<bool>* cancelled) {
 }  // namespace
 
 std::string answer_paths(std::string_view body, const std::atomic<bool>* cancelled) {
-  const PathCall call = read_path_call(body);
+  PathCall call = read_path_call(body);
+  call.request.time_limit = std::chrono::duration<double>(kLongest).count();
+  call.request.cancelled = cancelled;
+  const solver::PathsResult result = solver::paths_between(call.system, call.request);
   throw_if_cancelled(cancelled);
-  return path_answer(call, solver::paths_between(call.system, call.request));
+  if (!result.complete)
+    throw ProblemError(make_problem(503, "more than a minute of work: ask for fewer families"));
+  return path_answer(call, result);
 }
 
 std::string answer_irradiance(std::string_view body, const std::atomic<bool>* cancelled) {

@@ -90,7 +90,9 @@ class Search {
 
   void run() {
     while (!stack_.empty()) {
-      if (result_.boxes >= options_.max_boxes) {
+      const bool late =
+          options_.budget && result_.boxes % kBetweenChecks == 0 && options_.budget->out_of_time();
+      if (late || result_.boxes >= options_.max_boxes) {
         result_.undecided += stack_.size();
         return;
       }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "geometry/linear.h"
+#include "solver/budget.h"
 #include "solver/pencil.h"
 
 namespace caustic::solver {
@@ -16,6 +17,8 @@ struct CertifyOptions {
   /// Boxes smaller than this share of the scene are not divided: what is left there is a double
   /// root, a path that grazes, or a whole curve of paths.
   double smallest = 1e-7;
+  /// Its end gives up the rest too; may be null.
+  Budget* budget = nullptr;
 };
 
 struct CertifiedRoots {

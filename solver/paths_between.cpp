@@ -26,11 +26,11 @@ bool contains(const std::vector<FamilyPath>& paths, const FamilyPath& one, doubl
 // search finds is added: a path that is known is not left out because it is not proven.
 std::vector<FamilyPath> certified_paths(const OpticalSystem& system, const Family& family,
                                         PathFinder& finder, const PathsRequest& request,
-                                        PathsResult& result) {
+                                        Budget& budget, PathsResult& result) {
   std::vector<geometry::Box> regions;
   for (const int surface : family) regions.push_back(system.surfaces()[surface].region);
   const auto proven = certify_paths(finder.tracer().surfaces(), regions, finder.tracer().light(),
-                                    request.to, system.diameter());
+                                    request.to, system.diameter(), {.budget = &budget});
   result.undecided += proven.undecided;
   std::vector<FamilyPath> paths;
   for (const auto& root : proven.roots) {
@@ -53,16 +53,17 @@ std::vector<FamilyPath> certified_paths(const OpticalSystem& system, const Famil
 
 PathsResult paths_between(const OpticalSystem& system, const PathsRequest& request) {
   PathsResult result;
+  Budget budget(request.time_limit, 0, request.cancelled);
   auto families = request.families;
   if (families.empty()) {
     families = families_up_to(system.with_light(PointLight{request.from, 1.0}), request.max_bounces,
                               Arrival::anywhere);
   }
-  for (int id = 0; id < static_cast<int>(families.size()); ++id) {
+  for (int id = 0; id < static_cast<int>(families.size()) && !budget.out_of_time(); ++id) {
     PathFinder finder(system, families[id], PointLight{request.from, 1.0});
     std::vector<FamilyPath> paths;
     if (request.certify) {
-      paths = certified_paths(system, families[id], finder, request, result);
+      paths = certified_paths(system, families[id], finder, request, budget, result);
     } else {
       auto answer = finder.to(request.to);
       paths = std::move(answer.paths);
@@ -86,7 +87,8 @@ PathsResult paths_between(const OpticalSystem& system, const PathsRequest& reque
       result.paths.push_back(std::move(found));
     }
   }
-  result.certified = request.certify && result.undecided == 0;
+  result.complete = !budget.out_of_time();
+  result.certified = result.complete && request.certify && result.undecided == 0;
   return result;
 }
 

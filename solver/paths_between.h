@@ -2,6 +2,7 @@
 // derivatives, a prediction, and on request the proof that there are no more. Everything SI.
 #pragma once
 
+#include <atomic>
 #include <optional>
 #include <vector>
 
@@ -17,6 +18,8 @@ struct PathsRequest {
   bool hessians = false;
   bool certify = false;
   std::optional<Vec3> shift;  ///< predict the path to `to` + shift
+  double time_limit = 3600.0;  ///< s
+  const std::atomic<bool>* cancelled = nullptr;
 };
 
 struct PathFound {
@@ -31,6 +34,7 @@ struct PathsResult {
   std::vector<PathFound> paths;  ///< by family, then by the first hit's coordinates
   bool certified = false;        ///< proven to be all that Fermat's equations have
   std::size_t undecided = 0;     ///< cells or boxes that may hold more
+  bool complete = true;          ///< false: out of time, or cancelled; families are missing
 };
 
 PathsResult paths_between(const OpticalSystem& system, const PathsRequest& request);

@@ -4,8 +4,10 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "service/api/problem.h"
+#include "service/examples/examples.h"
 #include "tests/support/requests.h"
 
 namespace caustic::service {
@@ -203,6 +205,29 @@ TEST(Irradiance, names_every_fault) {
   request["grid"] = {{"nu", 2}, {"nv", 2}};
   request["points"] = {{0, 0}};
   EXPECT_EQ(faults(irradiance, request), Pointers{"/grid"});
+}
+
+/// A dozen seconds of proofs, if nothing breaks them off.
+TEST(PointService, breaks_a_proof_off) {
+  const json scene = json::parse(find_example("two-mirrors")->body)["scene"];
+  const json request{{"scene", scene},
+                     {"from", scene["light"]["position"]},
+                     {"to", scene["receiver"]["origin"]},
+                     {"families", {{"max_bounces", 8}}},
+                     {"certify", true}};
+  std::atomic<bool> cancelled = false;
+  std::thread canceller([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    cancelled = true;
+  });
+  int status = 200;
+  try {
+    answer_paths(request.dump(), &cancelled);
+  } catch (const ProblemError& error) {
+    status = error.problem().status;
+  }
+  canceller.join();
+  EXPECT_EQ(status, 503);
 }
 
 TEST(PointService, stops_when_the_service_does) {
