@@ -146,6 +146,7 @@ TEST(Regions, AmongManyCaustics) {
     const auto result = regions_of(system);
     EXPECT_GE(result.regions.size(), 2u);
     expect_all_parts(system, result, has_necks);
+    if (test::kSanitized) break;  // one has cusps, crossings and edges
   }
 }
 
