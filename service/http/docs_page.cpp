@@ -7,7 +7,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr std::string_view kStyle =
+constexpr std::string_view kPageStyle =
     "body{font:16px/1.5 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;"
     "color:#222;background:#fff}code,pre{font:14px/1.4 ui-monospace,monospace}"
     "pre{background:#f4f4f4;padding:1rem;overflow-x:auto}h2{margin:2rem 0 .3rem;font-size:1.15rem}"
@@ -16,7 +16,7 @@ constexpr std::string_view kStyle =
     "@media(prefers-color-scheme:dark){body{color:#ddd;background:#111}pre{background:#222}"
     "a{color:#8ab4f8}}";
 
-std::string escaped(std::string_view text) {
+std::string html_text(std::string_view text) {
   std::string out;
   for (const char c : text) {
     if (c == '&')
@@ -34,14 +34,14 @@ std::string escaped(std::string_view text) {
 }
 
 std::string text_of(const ordered_json& object, const char* key) {
-  return escaped(object.value(key, std::string()));
+  return html_text(object.value(key, std::string()));
 }
 
 /// A link to the schema it refers to, else the schema itself.
 std::string schema_html(const ordered_json& schema) {
-  if (!schema.contains("$ref")) return "<pre>" + escaped(schema.dump(2)) + "</pre>";
+  if (!schema.contains("$ref")) return "<pre>" + html_text(schema.dump(2)) + "</pre>";
   const std::string target = schema["$ref"], name = target.substr(target.rfind('/') + 1);
-  return "<a href=\"#" + escaped(name) + "\">" + escaped(name) + "</a>";
+  return "<a href=\"#" + html_text(name) + "\">" + html_text(name) + "</a>";
 }
 
 /// Media types with their schemas.
@@ -49,7 +49,7 @@ std::string content_html(const ordered_json& holder) {
   std::string out;
   if (!holder.contains("content")) return out;
   for (const auto& [type, media] : holder["content"].items())
-    out += "<code>" + escaped(type) + "</code> " + schema_html(media["schema"]) + ' ';
+    out += "<code>" + html_text(type) + "</code> " + schema_html(media["schema"]) + ' ';
   return out;
 }
 
@@ -66,13 +66,13 @@ std::string parameters_html(const ordered_json& operation) {
 std::string operation_html(const std::string& path, std::string method,
                            const ordered_json& operation) {
   for (char& c : method) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  std::string out = "<h2><code>" + method + ' ' + escaped(path) + "</code></h2>\n<p>" +
+  std::string out = "<h2><code>" + method + ' ' + html_text(path) + "</code></h2>\n<p>" +
                     text_of(operation, "summary") + "</p>\n" + parameters_html(operation);
   if (operation.contains("requestBody"))
     out += "<p>Body: " + content_html(operation["requestBody"]) + "</p>\n";
   out += "<table><tr><th>Status</th><th></th><th>Body</th></tr>\n";
   for (const auto& [status, response] : operation["responses"].items())
-    out += "<tr><td>" + escaped(status) + "</td><td>" + text_of(response, "description") +
+    out += "<tr><td>" + html_text(status) + "</td><td>" + text_of(response, "description") +
            "</td><td>" + content_html(response) + "</td></tr>\n";
   return out + "</table>\n";
 }
@@ -86,15 +86,15 @@ std::string docs_page(std::string_view openapi) {
   std::string out = "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" +
                     title +
                     "</title><meta name=\"viewport\" content=\"width=device-width\"><style>" +
-                    std::string(kStyle) + "</style></head><body>\n<h1>" + title + "</h1>\n<p>" +
+                    std::string(kPageStyle) + "</style></head><body>\n<h1>" + title + "</h1>\n<p>" +
                     text_of(info, "summary") + ". " + text_of(info, "description") +
                     " The same for programs: <a href=\"/openapi.json\">openapi.json</a>.</p>\n";
   for (const auto& [path, methods] : document["paths"].items())
     for (const auto& [method, operation] : methods.items())
       out += operation_html(path, method, operation);
   for (const auto& [name, schema] : document["components"]["schemas"].items())
-    out += "<h2 id=\"" + escaped(name) + "\">" + escaped(name) + "</h2>\n<pre>" +
-           escaped(schema.dump(2)) + "</pre>\n";
+    out += "<h2 id=\"" + html_text(name) + "\">" + html_text(name) + "</h2>\n<pre>" +
+           html_text(schema.dump(2)) + "</pre>\n";
   return out + "</body></html>\n";
 }
 
