@@ -67,7 +67,7 @@ void echo(HttpRequest request, const std::shared_ptr<Exchange>& exchange) {
 ReactorOptions quick() {
   ReactorOptions options;
   options.threads = 1;
-  options.head_time = options.body_time = options.idle_time = milliseconds(150);
+  options.head_time = options.body_time = options.idle_time = milliseconds(300);
   return options;
 }
 ReactorOptions one_thread() {
