@@ -59,7 +59,11 @@ bool RequestReader::step() {
 
 bool RequestReader::read_head() {
   // An empty line before a request is a leftover of the one before (RFC 9112, 2.2).
-  if (searched_ == 0 && rest().starts_with("\r\n")) at_ += 2;
+  if (rest() == "\r") return false;
+  if (!skipped_line_ && searched_ == 0 && rest().starts_with("\r\n")) {
+    at_ += 2;
+    skipped_line_ = true;
+  }
   const std::string_view bytes = rest();
   if (bytes.starts_with("\r\n")) refuse_body(400, "the request line is not one");
   const auto end = bytes.find("\r\n\r\n", searched_ > 3 ? searched_ - 3 : 0);
@@ -156,7 +160,7 @@ HttpRequest RequestReader::finish() {
   release(body_);
   state_ = State::head;
   dropped_ = trailer_ = 0;
-  whole_ = too_large_ = false;
+  whole_ = too_large_ = skipped_line_ = false;
   return request;
 }
 

@@ -58,6 +58,7 @@ class RequestReader {
   std::uint64_t dropped_ = 0;  ///< bytes of a body that is too large
   std::size_t trailer_ = 0;    ///< bytes of the trailer
   bool too_large_ = false, expectation_ = false, whole_ = false, refused_ = false;
+  bool skipped_line_ = false;  ///< before the head
 };
 
 /// Of a body over the limit this much more is read and dropped, so that a client that is still

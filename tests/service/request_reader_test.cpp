@@ -59,6 +59,21 @@ TEST(RequestReader, reads_what_comes_together_one_by_one) {
   EXPECT_FALSE(reader.next());
 }
 
+TEST(RequestReader, skips_one_empty_line_before_a_request_however_it_comes) {
+  for (const std::string& empty : {std::string("\r\n"), std::string("\r\n\r\n")})
+    for (std::size_t step : {1u, 2u, 1000u}) {
+      const std::string bytes = empty + get("");
+      RequestReader reader(kMaxBody);
+      std::optional<HttpRequest> request;
+      for (std::size_t at = 0; at < bytes.size() && !request; at += step) {
+        reader.feed(bytes.substr(at, step));
+        request = reader.next();
+      }
+      ASSERT_TRUE(request);
+      EXPECT_EQ(request->refusal.has_value(), empty.size() > 2) << step;
+    }
+}
+
 TEST(RequestReader, refuses_heads_that_two_could_read_in_two_ways) {
   const std::string body = "Content-Length: 2\r\n";
   const std::pair<std::string, int> cases[] = {
