@@ -2,24 +2,13 @@
 // certification of contours asks. NOTATION.md (S70)–(S72).
 #pragma once
 
+#include <array>
 #include <vector>
 
-#include "geometry/graph_cover.h"
-#include "geometry/interval_jet.h"
+#include "solver/enclosed_graph.h"
 #include "solver/forward_map.h"
 
 namespace caustic::solver {
-
-using geometry::Interval;
-
-/// That of all numbers of an interval; 0 if it holds zero.
-inline int sign_of(const Interval& a) { return a.lo > 0.0 ? 1 : a.hi < 0.0 ? -1 : 0; }
-
-/// A cell of a chart, s and t its two coordinates; on the surface the third one lies in z.
-struct GraphCell {
-  Interval s, t, z;
-  bool whole = false;  ///< the surface is proven to lie over all of the cell
-};
 
 /// A function on a cell and its derivatives along s and t.
 struct Slopes {
@@ -31,8 +20,12 @@ struct EnclosedField {
   bool dark = false;     ///< no light of this family comes from here and arrives in the window
   bool regular = false;  ///< all below is enclosed: no pole and no total reflection in the cell
   Slopes a, flux;        ///< A and Σ of (S71)
-  std::vector<Slopes> bounds;  ///< positive where nothing counts (S74)
+  /// Positive where nothing counts (S74): numbered as the boundaries of the Domain, then the two
+  /// ends of the chart's box.
+  std::vector<Slopes> bounds;
+  std::array<Slopes, 2> q;  ///< where the light arrives, receiver axes
   Interval a_middle, flux_middle, ds, dt;
+  std::array<Interval, 2> q_middle;
 
   /// F = A − kΣ: the level function, times something positive.
   Slopes level(double k) const;
@@ -46,14 +39,21 @@ class EnclosedMap {
   explicit EnclosedMap(const ForwardMap& map);
 
   const ForwardMap& map() const { return map_; }
-  /// Narrows z to what the surface takes over the cell (interval Newton); false if it is not there.
-  bool narrow(const geometry::GraphChart& chart, GraphCell& cell) const;
+  bool narrow(const geometry::GraphChart& chart, GraphCell& cell) const {
+    return solver::narrow(shape_, chart, cell);
+  }
   void enclose(const geometry::GraphChart& chart, const GraphCell& cell, EnclosedField& f) const;
 
  private:
-  class Trail;
+  struct Incident;
+  struct Outgoing;
   struct Result;
-  void follow(const geometry::GraphChart& chart, const GraphCell& cell, Trail& trail,
+  void follow(const geometry::GraphChart& chart, const GraphCell& cell, MeanValues& mean,
+              Result& out) const;
+  Incident incident(const GraphJets& on, MeanValues& mean) const;
+  Slopes flux(const GraphJets& on, std::size_t axis, const Incident& in, MeanValues& mean) const;
+  Outgoing bounce(const Incident& in, MeanValues& mean) const;
+  void arrive(const GraphJets& on, const Incident& in, const Outgoing& leaving, MeanValues& mean,
               Result& out) const;
   Slopes bound(const geometry::Bound& b, const geometry::IntervalVecJet& x) const;
 
