@@ -130,6 +130,12 @@ inline Interval intersection(const Interval& a, const Interval& b) {
   if (a.empty() || b.empty() || a.hi < b.lo || b.hi < a.lo) return Interval::empty_set();
   return {std::max(a.lo, b.lo), std::min(a.hi, b.hi)};
 }
+
+/// Two enclosures of one thing; rounding alone parts them.
+inline Interval meet(const Interval& a, const Interval& b) {
+  const Interval both = intersection(a, b);
+  return both.empty() ? b : both;
+}
 /// The least interval that holds both.
 inline Interval hull(const Interval& a, const Interval& b) {
   if (a.empty()) return b;

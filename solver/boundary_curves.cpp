@@ -33,6 +33,12 @@ std::vector<Seed> seeds_on(const FamilyField& field, int boundary) {
   return seeds;
 }
 
+void add_given(const std::vector<Seed>& given, int boundary, std::vector<Seed>& seeds) {
+  for (const Seed& seed : given) {
+    if (seed.target == boundary) seeds.push_back({0, seed.at, seed.reach});
+  }
+}
+
 }  // namespace
 
 BoundaryKind kind_of(Ending ending) {
@@ -111,14 +117,15 @@ Opening opening_at(SheetCarrier& carrier, const BoundaryCurve& curve, const Fiel
 }
 
 BoundaryCurves trace_boundaries(SheetCarrier& carrier, Budget& budget, double chord,
-                                double residual) {
+                                double residual, const std::vector<std::vector<Seed>>& seeds) {
   BoundaryCurves out;
   std::vector<BoundaryCurve> of_domains;
   for (int i = 0; i < carrier.field_count(); ++i) {
     const FamilyField& field = carrier.field(i);
-    const auto trace = [&](LevelFunction function, BoundaryKind kind, std::vector<Seed> seeds) {
+    const auto trace = [&](LevelFunction function, BoundaryKind kind, std::vector<Seed> found_by) {
+      if (!seeds.empty()) add_given(seeds[i], function.boundary, found_by);
       BoundaryCurves found =
-          curves_along(carrier, i, kind, function, std::move(seeds), budget, chord, residual);
+          curves_along(carrier, i, kind, function, std::move(found_by), budget, chord, residual);
       out.unresolved += found.unresolved;
       for (BoundaryCurve& curve : found.curves) {
         if (!coincides_with_domain(field, curve)) of_domains.push_back(std::move(curve));

@@ -51,9 +51,10 @@ BoundaryCurves curves_along(SheetCarrier& carrier, int field, BoundaryKind kind,
                             const LevelFunction& function, std::vector<Seed> seeds, Budget& budget,
                             double chord, double residual);
 
-/// Polylines within `chord` (m) of the curves, complete as far as the exploration of the fields is.
-/// The receiver's four edges come last, counterclockwise.
+/// Polylines within `chord` (m) of the curves, complete as far as the exploration of the fields is,
+/// or the seeds: of each field, on its caustic (target −1) and its domain's boundaries (their
+/// numbers). The receiver's four edges come last, counterclockwise.
 BoundaryCurves trace_boundaries(SheetCarrier& carrier, Budget& budget, double chord,
-                                double residual);
+                                double residual, const std::vector<std::vector<Seed>>& seeds = {});
 
 }  // namespace caustic::solver

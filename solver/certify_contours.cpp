@@ -29,7 +29,10 @@ class Certifier {
         targets_(targets),
         options_(options),
         map_(evaluate.map()),
-        smallest_(options.smallest * evaluate.map().system().diameter()) {}
+        smallest_(options.smallest * evaluate.map().system().diameter()) {
+    for (int i = 0; i < domain.first_later(); ++i) like_.push_back(domain.first_like(i));
+    like_.insert(like_.end(), 2, domain.first_later());  // the ends of charts
+  }
 
   ContourCertificate run();
 
@@ -44,7 +47,8 @@ class Certifier {
   void divide(const Square& square);
   void give_up(const Square& square);
   bool nothing_there(const GraphChart& chart, GraphCell& cell);
-  bool settled(const Slopes& F) const;
+  Slopes enclosed(const EnclosedField& field, int target) const;
+  bool settled(const Slopes& F, int boundary) const;
   std::vector<int> find_edge_roots(const GraphChart& chart, const GraphCell& cell,
                                    const std::vector<int>& targets);
   void search(const GraphChart& chart, GraphCell edge, const std::vector<int>& targets,
@@ -59,6 +63,7 @@ class Certifier {
   const std::vector<LevelFunction>& targets_;
   const ContourCertificateOptions& options_;
   EnclosedMap map_;
+  std::vector<int> like_;  // of each bound the first that is the same
   double smallest_;
   std::vector<GraphChart> charts_;
   std::deque<Square> queue_;
@@ -93,13 +98,20 @@ bool Certifier::nothing_there(const GraphChart& chart, GraphCell& cell) {
                                     [](const Slopes& h) { return h.v.lo > 0.0; });
 }
 
-// (S73), (S74): F = 0 is a graph over one of the coordinates, and along it all the boundaries that
-// pass through the cell fall or all of them rise.
-bool Certifier::settled(const Slopes& F) const {
+Slopes Certifier::enclosed(const EnclosedField& field, int target) const {
+  const LevelFunction& level = targets_[target];
+  return level.is_boundary() ? field.bounds[level.boundary] : field.level(level.k);
+}
+
+// (S73), (S74): F = 0 is a graph over one of the coordinates, and along it all the other boundaries
+// that pass through the cell fall or all of them rise.
+bool Certifier::settled(const Slopes& F, int boundary) const {
   if (F.s.contains_zero() && F.t.contains_zero()) return false;
+  const int like = boundary < 0 ? -1 : like_[boundary];
   int way = 0;
-  for (const Slopes& h : field_.bounds) {
-    if (h.v.hi < 0.0) continue;
+  for (int i = 0; i < static_cast<int>(field_.bounds.size()); ++i) {
+    const Slopes& h = field_.bounds[i];
+    if (h.v.hi < 0.0 || like_[i] == like) continue;
     const int sign = sign_of(F.s * h.t - F.t * h.s);
     if (sign == 0 || sign == -way) return false;
     way = sign;
@@ -114,7 +126,7 @@ std::vector<int> Certifier::signs_at(const GraphChart& chart, const GraphCell& e
   map_.narrow(chart, corner);
   map_.enclose(chart, corner, on_edge_);
   std::vector<int> signs;
-  for (const int target : targets) signs.push_back(sign_of(on_edge_.level(targets_[target].k).v));
+  for (const int target : targets) signs.push_back(sign_of(enclosed(on_edge_, target).v));
   return signs;
 }
 
@@ -132,7 +144,7 @@ void Certifier::search(const GraphChart& chart, GraphCell edge, const std::vecto
   const bool upright = edge.s.width() == 0.0;
   std::vector<int> monotone, others;
   for (const int target : targets) {
-    const Slopes F = on_edge_.level(targets_[target].k);
+    const Slopes F = enclosed(on_edge_, target);
     if (!F.v.contains_zero()) continue;
     ((upright ? F.t : F.s).contains_zero() ? others : monotone).push_back(target);
   }
@@ -174,7 +186,9 @@ void Certifier::add_seed(const GraphChart& chart, const GraphCell& edge, int tar
     at = first;
   }
   const double slack = kOnBoundary * map_.map().rounding(at.x);
-  if (!at.arrives() || domain_.worst(at).value > slack) return;
+  if (!at.arrives()) return;
+  const Domain& domain = level.is_boundary() ? domain_.without(level.boundary) : domain_;
+  if (domain.worst(at).value > slack) return;
   result_.seeds.push_back({target, at, reach_});
 }
 
@@ -207,9 +221,9 @@ void Certifier::treat(Square square) {
   if (square.cell.whole && field_.regular) {
     std::vector<int> done;
     std::erase_if(square.open, [&](int target) {
-      const Slopes F = field_.level(targets_[target].k);
+      const Slopes F = enclosed(field_, target);
       if (!F.v.contains_zero()) return true;
-      if (!settled(F)) return false;
+      if (!settled(F, targets_[target].boundary)) return false;
       done.push_back(target);
       return true;
     });

@@ -36,7 +36,7 @@ struct ContourCertificate {
   bool exhausted = false;  ///< by max_cells or the request's own budget
 };
 
-/// The map must be one that EnclosedMap encloses.
+/// The map must be one that EnclosedMap encloses. Targets may be boundaries of this domain.
 ContourCertificate certify_contours(Evaluator& evaluate, const Domain& domain,
                                     const std::vector<LevelFunction>& targets,
                                     const ContourCertificateOptions& options = {});

@@ -57,7 +57,7 @@ struct ContourRequest {
   double chord_tolerance = 0.0;        ///< m on the receiver; 0 means 1e-4 × its larger side
   double time_limit = 5.0;             ///< s
   std::size_t vertex_limit = 500000;
-  /// Prove that no component is missed, or name the cells in which one could be (S70)–(S76).
+  /// Prove that no component is missed, or name the cells in which one could be (S70)–(S79).
   bool certify = false;
   std::size_t cell_limit = 200000;  ///< of the proof, for each family and side
   int threads = 1;                  ///< the result does not depend on it
@@ -160,11 +160,12 @@ struct Warning {
   std::string code, detail;
 };
 
-/// A cell of the first surface of which it could not be proven what curves are in it.
+/// A cell of the first surface, or of the receiver, of which it could not be proven what curves are
+/// in it.
 struct Undecided {
-  int family_id;
+  int family_id;                 ///< −1: a cell of the receiver, of the total
   std::vector<double> levels;    ///< W/m²; −1 for the caustic
-  std::array<Point, 4> corners;  ///< on the surface, in order around the cell
+  std::array<Point, 4> corners;  ///< in order around the cell
 };
 
 struct ContourResult {

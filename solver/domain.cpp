@@ -4,6 +4,13 @@
 
 namespace caustic::solver {
 
+namespace {
+
+// Planes this near, as an angle and in diameters of the scene, are one.
+constexpr double kSamePlane = 1e-12;
+
+}  // namespace
+
 // After the aperture's bounds: silhouette, receiver's plane, then the edges −u, +u, −v, +v, then later_.
 
 Domain::Domain(const ForwardMap& map) : map_(map), bounds_(map.mirror().bounds) {
@@ -95,6 +102,26 @@ Ending Domain::ending(int i) const {
   if (!later(i)) return Ending::receiver_edge;
   return later(i)->kind == Later::Kind::grazing ? Ending::silhouette
                                                 : Ending::total_internal_reflection;
+}
+
+// Boundaries that are planes in space.
+std::optional<Domain::Plane> Domain::plane(int i) const {
+  if (i == silhouette() + 1 && map_.hop_count() == 1)
+    return Plane{map_.receiver().m, map_.receiver().origin};
+  if (!bound(i) || bound(i)->kind != geometry::Bound::Kind::half_space) return std::nullopt;
+  return Plane{bound(i)->axis, bound(i)->point};
+}
+
+int Domain::first_like(int i) const {
+  const auto own = plane(i);
+  for (int j = 0; own && j < i; ++j) {
+    const auto other = plane(j);
+    if (other && own->normal.cross(other->normal).norm() <= kSamePlane &&
+        std::abs(own->normal.dot(own->point - other->point)) <=
+            kSamePlane * map_.system().diameter())
+      return j;
+  }
+  return i;
 }
 
 Domain::Worst Domain::worst(const FieldPoint& f) const {

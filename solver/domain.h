@@ -4,6 +4,8 @@
 // part of it: see visibility.h.
 #pragma once
 
+#include <optional>
+
 #include "solver/contours.h"
 #include "solver/forward_map.h"
 
@@ -43,6 +45,8 @@ class Domain {
     return map_.hop_count() <= 1 ? Slope::of_place : Slope::unknown;
   }
   Ending ending(int i) const;
+  /// The first boundary that is where i is: planes may coincide.
+  int first_like(int i) const;
   /// True for the ball in which unbounded surfaces exist.
   bool is_clip(int i) const {
     const geometry::Bound* bound = bound_of(i);
@@ -64,6 +68,11 @@ class Domain {
     int hop;
     const geometry::Bound* bound;  // of the first kind
   };
+  struct Plane {
+    Vec3 normal;
+    Point point;
+  };
+  std::optional<Plane> plane(int i) const;
   int bound_count() const { return static_cast<int>(bounds_.size()); }
   const Later* later(int i) const { return i < first_later() ? nullptr : &later_[i - first_later()]; }
   const geometry::Bound* bound_of(int i) const {

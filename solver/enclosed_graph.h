@@ -10,15 +10,10 @@
 namespace caustic::solver {
 
 using geometry::Interval;
+using geometry::meet;
 
 /// That of all numbers of an interval; 0 if it holds zero.
 inline int sign_of(const Interval& a) { return a.lo > 0.0 ? 1 : a.hi < 0.0 ? -1 : 0; }
-
-/// Two enclosures of one thing; rounding alone parts them.
-inline Interval meet(const Interval& a, const Interval& b) {
-  const Interval both = intersection(a, b);
-  return both.empty() ? b : both;
-}
 
 /// A cell of a chart, s and t its two coordinates; on the surface the third one lies in z.
 struct GraphCell {

@@ -24,7 +24,7 @@ Slopes product(const IntervalJet& a, const IntervalJet& b) {
 Slopes difference(const Slopes& a, const Slopes& b) { return combined(a, b, -1.0); }
 Slopes unknown() { return {Interval::whole(), Interval::whole(), Interval::whole()}; }
 
-Interval centred(const Slopes& over, const Interval& middle, const Interval& ds,
+Interval mean_value(const Slopes& over, const Interval& middle, const Interval& ds,
                  const Interval& dt) {
   return meet(over.v, middle + over.s * ds + over.t * dt);
 }
@@ -46,8 +46,10 @@ struct EnclosedMap::Outgoing {
 
 struct EnclosedMap::Result {
   bool dark = false, regular = false;
+  int upward = 0;
   Slopes a, flux;
   std::array<Slopes, 2> q;
+  std::array<Interval, 3> leaving;
   std::vector<Slopes> bounds;
 };
 
@@ -144,6 +146,7 @@ void EnclosedMap::arrive(const GraphJets& on, const Incident& in, const Outgoing
   const IntervalJet D_m = direction_along(receiver.m), y_m = geometry::dot(receiver.m, y);
   const IntervalJet D[2] = {direction_along(receiver.u), direction_along(receiver.v)};
   const IntervalJet at[2] = {geometry::dot(receiver.u, y), geometry::dot(receiver.v, y)};
+  out.leaving = {D[0].v, D[1].v, D_m.v};
   const int facing = sign_of(D_m.v);
   out.dark = false;
   out.bounds.push_back(facing == 0 ? unknown() : scaled(first_order(y_m), facing));
@@ -156,8 +159,8 @@ void EnclosedMap::arrive(const GraphJets& on, const Incident& in, const Outgoing
     };
     const Slopes above = beyond(receiver.half[c]), below = beyond(-receiver.half[c]);
     out.dark |= sign_of(above.v) * sign_of(below.v) > 0;
-    out.bounds.push_back(facing == 0 ? unknown() : scaled(above, facing));
     out.bounds.push_back(facing == 0 ? unknown() : scaled(below, -facing));
+    out.bounds.push_back(facing == 0 ? unknown() : scaled(above, facing));
   }
   out.regular = facing != 0 && on.upward != 0 && !leaving.total_reflection;
   if (!out.regular) {
@@ -178,10 +181,12 @@ void EnclosedMap::arrive(const GraphJets& on, const Incident& in, const Outgoing
 void EnclosedMap::follow(const GraphChart& chart, const GraphCell& cell, MeanValues& mean,
                          Result& out) const {
   const GraphJets on = graph_jets(shape_, chart, cell, mean);
+  out.upward = on.upward;
   const Incident in = incident(on, mean);
   out.flux = flux(on, chart.along(), in, mean);
   const Outgoing leaving = bounce(in, mean);
   out.dark = leaving.none;
+  out.regular = false;
   if (out.dark) return;
   out.bounds.clear();
   for (const auto& b : map_.mirror().bounds) out.bounds.push_back(bound(b, on.x));
@@ -205,7 +210,7 @@ void EnclosedMap::enclose(const GraphChart& chart, const GraphCell& cell, Enclos
     narrow(chart, point);
     mean.begin_middle();
     follow(chart, point, mean, middle);
-    centred_form = middle.regular && !middle.dark;
+    centred_form = middle.regular;
     f.ds = cell.s - point.s;
     f.dt = cell.t - point.t;
   }
@@ -213,13 +218,16 @@ void EnclosedMap::enclose(const GraphChart& chart, const GraphCell& cell, Enclos
   follow(chart, cell, mean, over);
   f.dark = over.dark;
   f.regular = over.regular;
+  f.upward = over.upward;
   f.a = over.a;
   f.flux = over.flux;
   f.bounds = over.bounds;
   f.q = over.q;
+  f.leaving = over.leaving;
   f.a_middle = f.a.v;
   f.flux_middle = f.flux.v;
   f.q_middle = {f.q[0].v, f.q[1].v};
+  f.centred = thin || (centred_form && f.regular && !f.dark);
   if (!centred_form || f.dark || !f.regular) {
     f.ds = f.dt = Interval(0.0);
     return;
@@ -227,16 +235,16 @@ void EnclosedMap::enclose(const GraphChart& chart, const GraphCell& cell, Enclos
   f.a_middle = middle.a.v;
   f.flux_middle = middle.flux.v;
   f.q_middle = {middle.q[0].v, middle.q[1].v};
-  f.a.v = centred(f.a, middle.a.v, f.ds, f.dt);
-  for (std::size_t c = 0; c < 2; ++c) f.q[c].v = centred(f.q[c], f.q_middle[c], f.ds, f.dt);
+  f.a.v = mean_value(f.a, middle.a.v, f.ds, f.dt);
+  for (std::size_t c = 0; c < 2; ++c) f.q[c].v = mean_value(f.q[c], f.q_middle[c], f.ds, f.dt);
   for (std::size_t b = 0; b < f.bounds.size(); ++b) {
-    f.bounds[b].v = centred(f.bounds[b], middle.bounds[b].v, f.ds, f.dt);
+    f.bounds[b].v = mean_value(f.bounds[b], middle.bounds[b].v, f.ds, f.dt);
   }
 }
 
 Slopes EnclosedField::level(double k) const {
   Slopes F = combined(a, flux, -k);
-  F.v = centred(F, a_middle - k * flux_middle, ds, dt);
+  F.v = mean_value(F, a_middle - k * flux_middle, ds, dt);
   return F;
 }
 

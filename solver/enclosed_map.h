@@ -19,11 +19,17 @@ struct Slopes {
 struct EnclosedField {
   bool dark = false;     ///< no light of this family comes from here and arrives in the window
   bool regular = false;  ///< all below is enclosed: no pole and no total reflection in the cell
+  int upward = 0;        ///< sign of ∇g along the chart's axis
   Slopes a, flux;        ///< A and Σ of (S71)
   /// Positive where nothing counts (S74): numbered as the boundaries of the Domain, then the two
   /// ends of the chart's box.
   std::vector<Slopes> bounds;
   std::array<Slopes, 2> q;  ///< where the light arrives, receiver axes
+  std::array<Interval, 3>
+      leaving;  ///< direction towards it along u, v, m, times something positive
+  /// At the middle of the cell, and the distances of its points from there. Where no mean values
+  /// could be taken (not centred) they are those of the cell, and 0.
+  bool centred = false;
   Interval a_middle, flux_middle, ds, dt;
   std::array<Interval, 2> q_middle;
 
@@ -42,6 +48,9 @@ class EnclosedMap {
   bool narrow(const geometry::GraphChart& chart, GraphCell& cell) const {
     return solver::narrow(shape_, chart, cell);
   }
+  /// How many of the bounds of a field, from the first, are those of the domain that are not the
+  /// receiver's edges.
+  int domain_bounds() const { return static_cast<int>(map_.mirror().bounds.size()) + 2; }
   void enclose(const geometry::GraphChart& chart, const GraphCell& cell, EnclosedField& f) const;
 
  private:

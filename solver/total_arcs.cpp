@@ -34,6 +34,8 @@ constexpr double kPlaceShare = 1e-10;
 // The nodes on both sides of a boundary at which a sheet begins with E = 0 are this near to each
 // other, in widths of the receiver.
 constexpr double kFadeShare = 1e-7;
+// Places of a level this near to an arc, in chord tolerances, are on it.
+constexpr double kSameArc = 1e-2;
 // Nodes lie on their level to this.
 constexpr double kNodeResidual = 1e-9;
 
@@ -260,6 +262,37 @@ ArcTracer::~ArcTracer() = default;
 
 LevelArc ArcTracer::follow(const Vec2& q, const Branches& branches, std::vector<TotalNode>& ends) {
   return impl_->follow(q, branches, ends);
+}
+
+// From the cubic between two vertices along ∇E onto the level and along the level towards q, in turn.
+// What is so near to the cubic is taken for the arc's: next to a caustic the cubic may lie beyond it.
+bool on_arc(SheetCarrier& carrier, const LevelArc& arc, double level, const Vec2& q, double chord) {
+  const double same = kNodeShare * carrier.system().receiver().width();
+  const auto passes = [&](const ArcVertex& a, const ArcVertex& b) {
+    const Vec2 way = b.q - a.q;
+    const double w = std::clamp((q - a.q).dot(way) / way.squaredNorm(), 0.0, 1.0), v = 1.0 - w;
+    if (!((a.q + w * way - q).norm() <= 2.0 * chord + same)) return false;
+    const Vec2 t_a = along_level(total_of(a.branches)), t_b = along_level(total_of(b.branches));
+    Vec2 p =
+        a.q + w * w * (3.0 - 2.0 * w) * way + way.norm() * ((w * v * v) * t_a - (w * w * v) * t_b);
+    if ((p - q).norm() <= kSameArc * chord) return true;
+    Branches there = w < 0.5 ? a.branches : b.branches;
+    for (int i = 0; i < kMaxCorrections; ++i) {
+      if (!p.allFinite() || !carrier.carry(there, p)) return false;
+      const Total total = total_of(there);
+      const Vec2 onto = (level - total.E) / total.gradient.squaredNorm() * total.gradient;
+      const Vec2 along = along_level(total), step = onto + along * along.dot(q - p - onto);
+      p += step;
+      if ((p - q).norm() <= same) return true;
+      if (step.norm() <= 1e-3 * same) return false;
+    }
+    return false;
+  };
+  const auto& v = arc.vertices;
+  for (std::size_t i = 1; i < v.size(); ++i) {
+    if (passes(v[i - 1], v[i])) return true;
+  }
+  return arc.closed && passes(v.back(), v.front());
 }
 
 bool begins_arc(const TotalNode& node) {

@@ -38,6 +38,9 @@ class ArcTracer {
   std::unique_ptr<Impl> impl_;
 };
 
+/// True if q, a place of the level, lies on the arc.
+bool on_arc(SheetCarrier& carrier, const LevelArc& arc, double level, const Vec2& q, double chord);
+
 /// True at a node where the level, brighter side on the left, leaves into the node's side.
 bool begins_arc(const TotalNode& node);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solver/certify_total.h"
 #include "solver/critical_points.h"
 #include "solver/regions.h"
 #include "solver/rings.h"
@@ -38,10 +39,12 @@ void measure(Curve& curve) {
 class TotalTracer {
  public:
   TotalTracer(const OpticalSystem& system, const std::vector<const FamilyField*>& fields,
-              double chord, double residual, Budget& budget, TotalObserver* observer)
+              double chord, double residual, Budget& budget, TotalObserver* observer,
+              const TotalCertificate* certificate)
       : system_(system),
         budget_(budget),
         observer_(observer),
+        certificate_(certificate),
         carrier_(system, fields, budget),
         chord_(chord),
         residual_(residual),
@@ -74,20 +77,22 @@ class TotalTracer {
 
   TotalContours run(const std::vector<double>& levels) {
     int rings = 0;
-    for (const double level : levels) {
-      if (budget_.exhausted()) break;
-      trace(level, rings);
+    for (std::size_t i = 0; i < levels.size() && !budget_.exhausted(); ++i) {
+      trace(static_cast<int>(i), levels[i], rings);
     }
     return std::move(result_);
   }
 
  private:
   std::vector<BoundaryCurve> trace(Budget& budget) {
-    BoundaryCurves found = trace_boundaries(carrier_, budget, chord_, residual_);
+    BoundaryCurves found = trace_boundaries(
+        carrier_, budget, chord_, residual_,
+        certificate_ ? certificate_->boundaries : std::vector<std::vector<Seed>>{});
     result_.unresolved = found.unresolved;
     return std::move(found.curves);
   }
-  void trace(double level, int& rings);
+  void trace(int index, double level, int& rings);
+  bool traced(const TotalSeed& seed, double level);
   void take(LevelArc arc, double level, std::vector<Drawn>& drawn);
   bool hidden_on(const LevelArc& arc);
   void take(const JumpArc& jump, double level, std::vector<Drawn>& drawn);
@@ -99,12 +104,14 @@ class TotalTracer {
   const OpticalSystem& system_;
   Budget& budget_;
   TotalObserver* observer_;
+  const TotalCertificate* certificate_;
   SheetCarrier carrier_;
   double chord_, residual_;
   TotalContours result_;
   std::vector<BoundaryCurve> curves_;
   BoundaryPieces pieces_;
   TotalGrid grid_;
+  std::vector<LevelArc> arcs_;  // of this level, while there are seeds to be struck out
 };
 
 CurveVertex TotalTracer::vertex(const Vec2& q, const Branches& branches) {
@@ -177,6 +184,7 @@ void TotalTracer::take(LevelArc arc, double level, std::vector<Drawn>& drawn) {
   curve.kind = CurveKind::isolux;
   curve.level = level;
   curve.closed = arc.closed;
+  if (certificate_) arcs_.push_back(arc);
   for (const ArcVertex& at : arc.vertices) {
     CurveVertex v = vertex(at.q, at.branches);
     const Total total = total_of(at.branches);
@@ -203,7 +211,14 @@ void TotalTracer::take(const JumpArc& jump, double level, std::vector<Drawn>& dr
   take(std::move(curve), drawn);
 }
 
-void TotalTracer::trace(double level, int& rings) {
+// True if the seed lies on an arc that has been traced.
+bool TotalTracer::traced(const TotalSeed& seed, double level) {
+  return std::any_of(arcs_.begin(), arcs_.end(), [&](const LevelArc& arc) {
+    return on_arc(carrier_, arc, level, seed.q, chord_);
+  });
+}
+
+void TotalTracer::trace(int index, double level, int& rings) {
   const std::size_t unresolved = result_.unresolved;
   LevelOnBoundaries found =
       level_on_boundaries(carrier_, curves_, pieces_.pieces, level, residual_);
@@ -216,6 +231,13 @@ void TotalTracer::trace(double level, int& rings) {
   ArcTracer tracer(carrier_, {level, chord_, residual_}, budget_);
   for (const TotalNode& start : starts) {
     take(tracer.follow(start.q, start.branches, ends), level, drawn);
+  }
+  if (certificate_) {
+    for (const TotalSeed& seed : certificate_->arcs) {
+      if (seed.level != index || traced(seed, level)) continue;
+      take(tracer.follow(seed.q, seed.branches, ends), level, drawn);
+    }
+    arcs_.clear();
   }
   const std::size_t undecided = grid_.undecided();
   while (const auto place = grid_.missing()) {
@@ -253,8 +275,9 @@ std::optional<std::string> total_unsupported(const std::vector<const FamilyField
 TotalContours trace_total(const OpticalSystem& system,
                           const std::vector<const FamilyField*>& fields,
                           const std::vector<double>& levels, double chord, double residual,
-                          const TotalExtras& extras, Budget& budget, TotalObserver* observer) {
-  TotalTracer tracer(system, fields, chord, residual, budget, observer);
+                          const TotalExtras& extras, Budget& budget, TotalObserver* observer,
+                          const TotalCertificate* certificate) {
+  TotalTracer tracer(system, fields, chord, residual, budget, observer, certificate);
   if (extras.boundaries) tracer.keep_boundaries();
   if (extras.critical_points || extras.regions) tracer.find_regions_and_critical_points(extras);
   return tracer.run(levels);

@@ -45,12 +45,16 @@ class TotalObserver {
   virtual void level_traced(double level, std::size_t unresolved) = 0;
 };
 
-/// `levels` ascending, W/m²; `chord` m; `residual` as for sheets. Fields must be explored; the
-/// observer may be null.
+struct TotalCertificate;
+
+/// `levels` ascending, W/m²; `chord` m; `residual` as for sheets. Fields must be explored. Besides
+/// what it finds itself it traces what the certificate has seeds on. This and the observer may be
+/// null.
 TotalContours trace_total(const OpticalSystem& system,
                           const std::vector<const FamilyField*>& fields,
                           const std::vector<double>& levels, double chord, double residual,
                           const TotalExtras& extras, Budget& budget,
-                          TotalObserver* observer = nullptr);
+                          TotalObserver* observer = nullptr,
+                          const TotalCertificate* certificate = nullptr);
 
 }  // namespace caustic::solver

@@ -90,12 +90,6 @@ void read_measure(ObjectReader& root, ContourRequest& request) {
     root.faults().add(root.pointer_to("direct"), "belongs to the total: see measure");
 }
 
-void read_what_is_to_come(ObjectReader& root, const ContourRequest& request) {
-  Faults& faults = root.faults();
-  if (request.certify && request.measure == solver::Measure::total && !request.sheets_instead)
-    faults.not_supported(root.pointer_to("certify"), "certification of the total");
-}
-
 Scene read_members(ObjectReader& root, ContourRequest& request, bool& store) {
   Scene scene;
   if (const auto place = root.member("scene")) scene = read_scene(*place, root.faults());
@@ -106,7 +100,6 @@ Scene read_members(ObjectReader& root, ContourRequest& request, bool& store) {
   request.levels = read_levels(root);
   request.certify = root.boolean_or("certify", false);
   read_measure(root, request);
-  read_what_is_to_come(root, request);
   read_include(root, request);
   read_tolerance(root, scene, request);
   read_limits(root, request);

@@ -24,6 +24,7 @@ json nephroid_request() { return json::parse(find_example("nephroid")->body); }
 
 TEST(Completeness, IsProvenOnRequest) {
   json request = nephroid_request();
+  request["measure"] = "sheet";
   const json fast = completeness_of(request);
   EXPECT_EQ(fast["certified"], false);
   EXPECT_EQ(fast["unproven"].size(), 1u);
@@ -33,10 +34,30 @@ TEST(Completeness, IsProvenOnRequest) {
   EXPECT_NE(read_contour_call(request.dump()).id, id);
 }
 
+TEST(Completeness, IsProvenOfTheTotal) {
+  json request = json::parse(find_example("plane-mirror")->body);
+  request["certify"] = true;
+  EXPECT_EQ(completeness_of(request), json::parse(R"({"certified":true,"undecided_cells":0})"));
+  request["limits"] = {{"cells", 60}};
+  const json cut = completeness_of(request);
+  EXPECT_EQ(cut["certified"], false);
+  ASSERT_FALSE(cut["undecided"].empty());
+  for (const json& cell : cut["undecided"]) EXPECT_EQ(cell["family_id"], -1);
+}
+
+TEST(Completeness, IsNotProvenOfDirectLight) {
+  json request = json::parse(find_example("plane-mirror")->body);
+  request["certify"] = request["direct"] = true;
+  const json completeness = completeness_of(request);
+  EXPECT_EQ(completeness["certified"], false);
+  EXPECT_EQ(completeness["unproven"].size(), 1u);
+}
+
 // Undecided cells come with their levels and corners, lengths in the request's unit; a limit that
 // cut the proof short is no property of the request.
 TEST(Completeness, ListsUndecidedCells) {
   json request = nephroid_request();
+  request["measure"] = "sheet";
   request["certify"] = true;
   const std::string id = read_contour_call(request.dump()).id;
   request["limits"] = {{"cells", 60}};

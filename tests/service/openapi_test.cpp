@@ -129,6 +129,7 @@ TEST(Openapi, certified_answers_fit_it) {
   const ContourService contours(solver::trace_contours, store);
   json request = json::parse(find_example("nephroid")->body);
   request["certify"] = true;
+  request["measure"] = "sheet";
   for (const int cells : {60, 10000}) {
     request["limits"] = {{"cells", cells}};
     expect_valid("ContourRequest", request);

@@ -5,10 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
-#include "geometry/expression/field.h"
+#include "tests/support/dimple.h"
 #include "tests/support/sampling.h"
 #include "tests/support/scenes.h"
 #include "tests/support/thorough.h"
@@ -51,26 +50,8 @@ TEST(CertifyContours, ProvesTheNephroid) {
   }
 }
 
-// A shallow bowl of which one dimple, half a millimetre wide, focuses the light a little: at height
-// 1 above it a loop of the level is a thousandth of the receiver wide, and nothing else reaches it.
-struct Dimple {
-  static constexpr double kX = 0.2371, kY = -0.1193, kWidth = 4e-4, kDepth = 0.1 * kWidth * kWidth;
-  OpticalSystem system;
-};
-Dimple dimple() {
-  char text[200];
-  std::snprintf(text, sizeof text,
-                "z-0.02*x^2-0.03*y^2-0.01*x^3+%.17g*exp(-((x-%.17g)^2+(y-%.17g)^2)*%.17g)",
-                Dimple::kDepth, Dimple::kX, Dimple::kY, 0.5 / (Dimple::kWidth * Dimple::kWidth));
-  const auto shape =
-      make_expression(read_expression(text, 1.0), {{-0.5, -0.5, -0.1}, {0.5, 0.5, 0.1}}, Pose());
-  EXPECT_TRUE(shape.surface) << shape.fault;
-  return {test::one_mirror(CollimatedLight{-Vec3::UnitZ(), 1.0}, shape.surface,
-                           test::floor_at({0, 0, 1}, 1.0, 1.0))};
-}
-
 TEST(CertifyContours, FindsALoopThatTheFastWayMisses) {
-  const Dimple scene = dimple();
+  const test::Dimple scene = test::dimple();
   ContourRequest request = levels({1.5});
   request.chord_tolerance = 1e-6;
   request.certify = false;
@@ -91,7 +72,7 @@ TEST(CertifyContours, FindsALoopThatTheFastWayMisses) {
   EXPECT_LT(loop->length, 1.2e-3 * std::numbers::pi);
   EXPECT_LT(loop->max_residual, 1e-9);
   for (const CurveVertex& v : loop->vertices) {
-    EXPECT_LT(std::hypot(v.x.x() - Dimple::kX, v.x.y() - Dimple::kY), 2.0 * Dimple::kWidth);
+    EXPECT_LT(std::hypot(v.x.x() - test::Dimple::kX, v.x.y() - test::Dimple::kY), 2.0 * test::Dimple::kWidth);
   }
 }
 
