@@ -12,7 +12,7 @@ namespace caustic::solver {
 namespace {
 
 // Cells whose images have at most this share of a rectangle are kept for its parts.
-constexpr double kImageShare = 4.0;
+constexpr double kKeptShare = 4.0;
 // Larger rectangles, in widths of the receiver, are divided if it is not shown that nothing hides
 // their light: smaller ones may show it. What these do not show is undecided.
 constexpr double kUnclearShare = 1.0 / 64.0;
@@ -20,13 +20,13 @@ constexpr double kUnclearShare = 1.0 / 64.0;
 constexpr std::size_t kMostPartial = 4;
 // Around a corner cells are divided so often, each time to this share, to tell its sheets apart.
 constexpr int kCornerRounds = 4;
-constexpr double kCornerShare = 0.25;
+constexpr double kCornerCells = 0.25;
 // A root on an edge is located to this share of the level or of the edge.
 constexpr double kArcRoot = 1e-10;
 constexpr double kShortestBracket = 1e-12;
 constexpr double kOnLevel = 1e-6;  // where rounding does not let it come nearer
 // Seeds up to so many roundings outside the domain lie on its boundary.
-constexpr double kOnBoundary = 1e3;
+constexpr double kOffBoundary = 1e3;
 // First hits this near to each other, in diameters of the scene, are of one sheet.
 constexpr double kSamePlace = 1e-8;
 // Paths arrive within this, in widths of the receiver.
@@ -174,7 +174,7 @@ std::optional<Branch> TotalCertifier::branch_of(int field, const EnclosedSheet& 
   const double rounding = evaluate.map().rounding(middle.x);
   auto at = preimage(evaluate, middle, q, kOnPlace * system_.receiver().width());
   if (!at) return std::nullopt;
-  const double slack = kOnBoundary * rounding;
+  const double slack = kOffBoundary * rounding;
   const auto holds = [&](const Interval& a, double w) {
     return a.lo - slack <= w && w <= a.hi + slack;
   };
@@ -191,7 +191,7 @@ std::optional<Branches> TotalCertifier::find_near(const Vec2& q, const Near& nea
   double size = 0.0;
   for (const int i : near.over.cells) size = std::max(size, mirror[i].image.size());
   for (int round = 0; round < kCornerRounds; ++round) {
-    size *= kCornerShare;
+    size *= kCornerCells;
     const auto over =
         sheets_over(at, mirror, near.over.cells, size, carrier_.evaluator(near.field));
     if (!over || !over->near.empty()) continue;
@@ -246,7 +246,7 @@ TotalCertifier::End TotalCertifier::end_at(const Vec2& q, Over& over, const Sum&
 // True if these sheets are there and no others are known.
 bool TotalCertifier::is_the_total(const Branches& branches, const Vec2& q) {
   for (const Branch& b : branches) {
-    const double slack = kOnBoundary * fields_[b.field]->map.rounding(b.at.x);
+    const double slack = kOffBoundary * fields_[b.field]->map.rounding(b.at.x);
     if (fields_[b.field]->domain.worst(b.at).value > slack || carrier_.hidden(b.field, b.at))
       return false;
   }
@@ -317,7 +317,7 @@ bool TotalCertifier::settled(const Rectangle& rectangle, Over& over, const Sum& 
 // All that may reach the rectangle, but what next to a caustic exceeds the highest level in
 // question; false if it cannot be told.
 bool TotalCertifier::sheets_of(Rectangle& rectangle, Over& over) {
-  const double size = kImageShare * rectangle.part.size(), highest = levels_[rectangle.open.back()];
+  const double size = kKeptShare * rectangle.part.size(), highest = levels_[rectangle.open.back()];
   for (int i = 0; i < static_cast<int>(mirrors_.size()); ++i) {
     rectangle.cells[i] = mirrors_[i].reaching(rectangle.part, rectangle.cells[i], size);
     auto found = sheets_over(rectangle.part, mirrors_[i], rectangle.cells[i], rectangle.part.size(),

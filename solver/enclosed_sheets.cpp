@@ -18,14 +18,14 @@ namespace {
 constexpr double kWiden = 0.2;
 constexpr double kWidenAll = 0.02;
 // Rounds that narrow a sheet's box, and the share that is worth another.
-constexpr int kNarrowings = 4;
+constexpr int kSheetRounds = 4;
 constexpr double kNarrowShare = 0.7;
 // Images of cells are at most these shares of a rectangle: smaller ones only where larger ones do
 // not tell.
 constexpr std::array kImageShares{4.0, 1.5, 0.6};
 // Where to look for a sheet is guessed to this share of the rectangle, or of a cell's image.
-constexpr double kGuessShare = 1e-2;
-constexpr int kPreimageSteps = 8;
+constexpr double kGuessedShare = 1e-2;
+constexpr int kSheetSteps = 8;
 
 Interval widened(const Interval& a, double by) { return {a.lo - by, a.hi + by}; }
 bool inside(const Interval& a, const Interval& b) { return a.lo > b.lo && a.hi < b.hi; }
@@ -197,7 +197,7 @@ bool guess(const ReceiverCell& part, const MirrorCells& mirror, const Cluster& c
   for (int i = 0; i < 3; ++i) x[i] = own[static_cast<std::size_t>(i)].middle();
   FieldPoint f = evaluate.on_surface(x);
   if (!f.finite) return false;
-  const double tolerance = kGuessShare * std::max(part.size(), mirror[nearest].image.size());
+  const double tolerance = kGuessedShare * std::max(part.size(), mirror[nearest].image.size());
   const auto reaches = [&](const Vec2& q) {
     auto at = preimage(evaluate, f, q, tolerance);
     if (!at) return false;
@@ -227,7 +227,7 @@ Outcome find_sheet(const ReceiverCell& part, const MirrorCells& mirror, const Cl
   if (!chart) return Outcome::open;
   sheet.chart = *chart;
   EnclosedField f;
-  for (int round = 0; round < kNarrowings; ++round) {
+  for (int round = 0; round < kSheetRounds; ++round) {
     map.enclose(*chart, sheet.cell, f);
     const Operator K = krawczyk(f, sheet.cell, part);
     if (!K.defined || !K.s.bounded() || !K.t.bounded()) return Outcome::open;
@@ -268,7 +268,7 @@ bool add(EnclosedSheet sheet, std::vector<EnclosedSheet>& sheets) {
 std::optional<FieldPoint> preimage(Evaluator& evaluate, const FieldPoint& from, const Vec2& q,
                                    double tolerance) {
   FieldPoint at = from;
-  for (int i = 0; i < kPreimageSteps; ++i) {
+  for (int i = 0; i < kSheetSteps; ++i) {
     if ((q - at.q).norm() <= tolerance) return at;
     const Vec3 step = at.pull_back(q - at.q);
     if (!step.allFinite()) return std::nullopt;
@@ -282,7 +282,7 @@ bool narrow_sheet(const EnclosedMap& map, const ReceiverCell& part, EnclosedShee
   EnclosedField f;
   for (int round = 0;; ++round) {
     map.enclose(sheet.chart, sheet.cell, f);
-    if (round == kNarrowings) break;
+    if (round == kSheetRounds) break;
     const Operator K = krawczyk(f, sheet.cell, part);
     if (!K.defined) return false;
     const Interval s = intersection(K.s, sheet.cell.s), t = intersection(K.t, sheet.cell.t);
