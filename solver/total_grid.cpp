@@ -9,7 +9,7 @@ namespace caustic::solver {
 
 namespace {
 
-constexpr int kCells = 24;  // a side
+constexpr int kCells = 16;  // a side
 constexpr int kHalvings = 30;
 // Halvings until both ends lie in one face; what is nearer to a boundary is given up.
 constexpr int kFaceHalvings = 16;

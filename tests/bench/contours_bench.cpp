@@ -47,6 +47,14 @@ BENCHMARK_CAPTURE(contours, certified_heights, certified(example_scene("freeform
 BENCHMARK_CAPTURE(contours, certified_cuboid, certified(example_scene("cuboid")));
 BENCHMARK_CAPTURE(contours, certified_torus, certified(example_scene("torus")));
 BENCHMARK_CAPTURE(contours, certified_vase, certified(example_scene("vase")));
+BENCHMARK_CAPTURE(contours, proven_total_nephroid, certified_total("nephroid"));
+BENCHMARK_CAPTURE(contours, proven_total_plane_mirror, certified_total("plane-mirror"));
+BENCHMARK_CAPTURE(contours, proven_total_ball_ceiling, certified_total("sphere-ceiling"));
+BENCHMARK_CAPTURE(contours, proven_total_ball_wall, certified_total("sphere-wall"));
+BENCHMARK_CAPTURE(contours, proven_total_water, certified_total("water"));
+BENCHMARK_CAPTURE(contours, proven_total_paraboloid, certified_total("paraboloid"));
+BENCHMARK_CAPTURE(contours, proven_total_zernike, certified_total("zernike-mirror"));
+BENCHMARK_CAPTURE(contours, proven_total_heights, certified_total("freeform-heights"));
 BENCHMARK_CAPTURE(contours, torus, example_scene("torus"));
 BENCHMARK_CAPTURE(contours, cuboid, example_scene("cuboid"));
 BENCHMARK_CAPTURE(contours, vase, example_scene("vase"));

@@ -36,6 +36,12 @@ inline SceneRequest certified(SceneRequest scene) {
   return scene;
 }
 
+inline SceneRequest certified_total(const char* example) {
+  SceneRequest scene = certified(example_scene(example));
+  scene.request.measure = solver::Measure::total;
+  return scene;
+}
+
 /// A spherical dish 1.2 m wide, tilted, in a beam, and its caustic on a screen of 0.6 m; eight
 /// levels.
 inline SceneRequest spherical_dish() {
