@@ -2,17 +2,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <functional>
 #include <iterator>
-#include <optional>
 #include <sstream>
 #include <thread>
 
-#include "solver/certify_contours.h"
-#include "solver/certify_total.h"
 #include "solver/contour_task.h"
 #include "solver/critical_points.h"
 #include "solver/itineraries.h"
+#include "solver/prover.h"
 #include "solver/total_contours.h"
 
 namespace caustic::solver {
@@ -26,8 +23,6 @@ constexpr double kMarginShare = 1e-2;
 // be good even where irradiance may be coarse.
 constexpr double kResidualShare = 0.1;
 constexpr double kResidual = 1e-9;
-// The proof may take this share of the time; the rest is for tracing.
-constexpr double kProofShare = 0.6;
 // A level this near to a critical value is moved off it.
 constexpr double kCriticalShare = 1e-9;
 
@@ -61,7 +56,7 @@ class Run {
         request_(request),
         measure_(request.measure),
         budget_(request.time_limit, request.vertex_limit, request.cancelled),
-        proof_budget_(kProofShare * request.time_limit, request.vertex_limit, request.cancelled),
+        prover_(system, request),
         chord_(request.chord_tolerance > 0.0 ? request.chord_tolerance
                                              : kDefaultChordShare * system.receiver().width()),
         residual_(std::min(kResidualShare * request.irradiance_tolerance, kResidual)) {}
@@ -99,7 +94,7 @@ class Run {
            "\"limit\"");
     }
     conclude();
-    result_.evaluations = budget_.evaluations() + proof_budget_.evaluations();
+    result_.evaluations = budget_.evaluations() + prover_.evaluations();
     result_.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     result_.measure = measure_;
@@ -116,13 +111,7 @@ class Run {
   std::vector<LevelFunction> targets_for(const FamilyField& field,
                                          std::vector<double>& irradiances);
   std::vector<ContourTask> make_tasks();
-  bool provable(const FamilyField& field);
-  void certify(const FamilyField& field, std::vector<ContourTask>& tasks);
   void prove_total();
-  void add_proven_caustic(const FamilyField& field, std::vector<ContourTask>& tasks);
-  void add_undecided(int family, const UndecidedCell& cell,
-                     const std::function<double(int)>& level_of);
-  void conclude_proof(std::size_t cells, bool exhausted, const std::string& of);
   void collect(std::vector<ContourTask>& tasks);
   void conclude();
   std::vector<const FamilyField*> fields_of_total() const;
@@ -142,13 +131,13 @@ class Run {
   const OpticalSystem& system_;
   const ContourRequest& request_;
   Measure measure_;
-  Budget budget_, proof_budget_;
+  Budget budget_;
+  Prover prover_;
   double chord_, residual_;
   ContourResult result_;
   std::unique_ptr<geometry::EmbreeScene> embree_;
   std::vector<std::unique_ptr<FamilyField>> fields_;
   std::unique_ptr<FamilyField> direct_;  // where it is part of the total
-  std::optional<TotalCertificate> proof_;  // of the total
   std::size_t empty_levels_ = 0;
 };
 
@@ -180,9 +169,8 @@ void Run::explore() {
     discarded += field.exploration.discarded;
     kept += field.exploration.cells.size();
     result_.families[piece.family].flux += field.flux;
-    // What exploration gave up the proof decides, or gives up itself.
-    if (!request_.certify || !EnclosedMap::encloses(field.map))
-      result_.undecided_cells += field.exploration.unresolved;
+    // What exploration gave up a proof decides, or gives up itself.
+    if (!request_.certify) result_.undecided_cells += field.exploration.unresolved;
     judge(field);
   }
   drop_faint_families();
@@ -304,8 +292,9 @@ std::vector<ContourTask> Run::make_tasks() {
         own[seed.target].seeds.push_back(std::move(seed));
       }
     }
-    if (request_.certify && measure_ == Measure::sheet) certify(*field, own);
-    if (proof_ && !own.empty()) add_proven_caustic(*field, own);
+    if (request_.certify && measure_ == Measure::sheet)
+      prover_.prove_sheets(*field, name_of(field->piece.family), own);
+    prover_.add_caustic_of_total(*field, own);
     std::copy_if(std::make_move_iterator(own.begin()), std::make_move_iterator(own.end()),
                  std::back_inserter(tasks),
                  [](const ContourTask& task) { return !task.seeds.empty(); });
@@ -317,85 +306,10 @@ std::vector<ContourTask> Run::make_tasks() {
   return tasks;
 }
 
-// False, and said so, if nothing can be proven of the family.
-bool Run::provable(const FamilyField& field) {
-  const std::string family = "the family by way of " + name_of(field.piece.family);
-  if (field.degenerate) {
-    leave_unproven(family + ": it is degenerate");
-  } else if (!EnclosedMap::encloses(field.map)) {
-    leave_unproven(family + ": enclosures know families of one hop");
-  } else {
-    return true;
-  }
-  return false;
-}
-
-void Run::add_undecided(int family, const UndecidedCell& cell,
-                        const std::function<double(int)>& level_of) {
-  Undecided undecided{family, {}, cell.corners};
-  for (const int target : cell.targets) undecided.levels.push_back(level_of(target));
-  std::sort(undecided.levels.begin(), undecided.levels.end());
-  const auto end = std::unique(undecided.levels.begin(), undecided.levels.end());
-  undecided.levels.erase(end, undecided.levels.end());
-  result_.undecided.push_back(std::move(undecided));
-  ++result_.undecided_cells;
-}
-
-void Run::conclude_proof(std::size_t cells, bool exhausted, const std::string& of) {
-  result_.cells += cells;
-  if (!exhausted || budget_.exhausted()) return;
-  result_.complete = false;
-  warn("limit", "a limit of cells or time cut the proof of " + of + " short");
-}
-
-// Seeds on every component of the tasks' levels, after those that exploration has found: curves
-// that have been traced from these are not traced again.
-void Run::certify(const FamilyField& field, std::vector<ContourTask>& tasks) {
-  if (!provable(field)) return;
-  std::vector<LevelFunction> targets;
-  for (const ContourTask& task : tasks) targets.push_back(task.level);
-  Evaluator evaluate(field.map, proof_budget_);
-  auto certificate = certify_contours(evaluate, field.domain, targets, {request_.cell_limit});
-  for (Seed& seed : certificate.seeds) tasks[seed.target].seeds.push_back(std::move(seed));
-  for (const UndecidedCell& cell : certificate.undecided) {
-    add_undecided(field.piece.family, cell, [&](int i) { return tasks[i].irradiance; });
-  }
-  conclude_proof(certificate.cells, certificate.exhausted,
-                 "the family by way of " + name_of(field.piece.family));
-}
-
-// Seeds on every component of the boundaries and of the arcs that meet none (S77)–(S79).
 void Run::prove_total() {
-  bool all = !direct_;
-  if (direct_) leave_unproven("the direct light: enclosures know families of one hop");
-  std::vector<const FamilyField*> fields;
-  for (const auto& field : fields_) {
-    all &= provable(*field);
-    fields.push_back(field.get());
-  }
-  if (!all || fields.empty()) return;
-  proof_ = certify_total(system_, fields, result_.levels, proof_budget_, {request_.cell_limit});
-  for (const auto& [field, cell] : proof_->undecided_boundaries) {
-    add_undecided(fields[field]->piece.family, cell, [](int) { return -1.0; });
-  }
-  const auto& receiver = system_.receiver();
-  for (const UndecidedPart& at : proof_->undecided) {
-    const Interval &u = at.part.u, &v = at.part.v;
-    const UndecidedCell cell{{receiver.point({u.lo, v.lo}), receiver.point({u.hi, v.lo}),
-                              receiver.point({u.hi, v.hi}), receiver.point({u.lo, v.hi})},
-                             at.levels};
-    add_undecided(-1, cell, [&](int i) { return result_.levels[i]; });
-  }
-  conclude_proof(proof_->cells, proof_->exhausted, "the total");
-}
-
-void Run::add_proven_caustic(const FamilyField& field, std::vector<ContourTask>& tasks) {
-  for (std::size_t i = 0; i < fields_.size(); ++i) {
-    if (fields_[i].get() != &field) continue;
-    for (const Seed& seed : proof_->boundaries[i]) {
-      if (seed.target < 0) tasks.back().seeds.push_back(seed);
-    }
-  }
+  std::vector<ProvenFamily> families;
+  for (const auto& field : fields_) families.push_back({field.get(), name_of(field->piece.family)});
+  prover_.prove_total(families, result_.levels, direct_ != nullptr);
 }
 
 // What the answer may claim.
@@ -404,6 +318,11 @@ void Run::conclude() {
     return leave_unproven(
         "closed curves so small that neither the subdivision's edges nor critical points show them "
         "may be missing; \"certify\": true finds them, or names the cells in which they may be");
+  }
+  for (const std::string& of : prover_.conclude(result_)) {
+    if (budget_.exhausted()) break;
+    result_.complete = false;
+    warn("limit", "a limit of cells or time cut the proof of " + of + " short");
   }
   const bool stalled = std::any_of(result_.warnings.begin(), result_.warnings.end(),
                                    [](const Warning& w) { return w.code == "stalled"; });
@@ -446,7 +365,7 @@ void Run::collect(std::vector<ContourTask>& tasks) {
 std::vector<const FamilyField*> Run::fields_of_total() const {
   std::vector<const FamilyField*> fields;
   for (const auto& field : fields_) {
-    if (!field->degenerate && (proof_ || !field->empty())) fields.push_back(field.get());
+    if (!field->degenerate && (prover_.total() || !field->empty())) fields.push_back(field.get());
   }
   if (direct_ && !direct_->empty()) fields.push_back(direct_.get());
   return fields;
@@ -463,7 +382,7 @@ void Run::add_total() {
   const bool wanted = !result_.levels.empty() || extras.any() || request_.observer;
   if (fields.empty() || !wanted) return;
   TotalContours total = trace_total(system_, fields, result_.levels, chord_, residual_, extras,
-                                    budget_, request_.observer, proof_ ? &*proof_ : nullptr);
+                                    budget_, request_.observer, prover_.total());
   result_.critical_points = std::move(total.critical_points);
   result_.regions = std::move(total.regions);
   std::move(total.curves.begin(), total.curves.end(), std::back_inserter(result_.curves));
@@ -479,56 +398,6 @@ void Run::add_total() {
 
 ContourResult trace_contours(const OpticalSystem& system, const ContourRequest& request) {
   return Run(system, request)();
-}
-
-const char* to_string(CurveKind kind) {
-  switch (kind) {
-    case CurveKind::isolux:
-      return "isolux";
-    case CurveKind::caustic:
-      return "caustic";
-    case CurveKind::jump:
-      return "jump";
-    case CurveKind::receiver_edge:
-      return "receiver_edge";
-    case CurveKind::boundary:
-      return "boundary";
-  }
-  return "isolux";
-}
-
-const char* to_string(CriticalType type) {
-  switch (type) {
-    case CriticalType::minimum:
-      return "min";
-    case CriticalType::maximum:
-      return "max";
-    case CriticalType::saddle:
-      return "saddle";
-  }
-  return "saddle";
-}
-
-const char* to_string(Ending ending) {
-  switch (ending) {
-    case Ending::silhouette:
-      return "silhouette";
-    case Ending::aperture:
-      return "aperture";
-    case Ending::shadow:
-      return "shadow";
-    case Ending::occlusion:
-      return "occlusion";
-    case Ending::total_internal_reflection:
-      return "total_internal_reflection";
-    case Ending::receiver_edge:
-      return "receiver_edge";
-    case Ending::limit:
-      return "limit";
-    case Ending::node:
-      return "node";
-  }
-  return "limit";
 }
 
 }  // namespace caustic::solver
