@@ -8,6 +8,7 @@
 #include "geometry/root_finding.h"
 #include "solver/chord.h"
 #include "solver/predictor.h"
+#include "solver/step_length.h"
 
 namespace caustic::solver {
 
@@ -16,11 +17,11 @@ namespace {
 // The limits of a step are those of a sheet's curve (trace_contour.cpp).
 constexpr double kPredictorShare = 1e-5;
 constexpr double kLargestTurn = 0.5;
-constexpr double kLargestStep = 0.1;  // in widths of the receiver
-constexpr double kTrust = 0.05;       // of a step, by which the corrector may move it
-constexpr double kSafety = 0.9;
-constexpr double kShortestStep = 1e-13;  // in widths
-constexpr double kFirstStep = 1e-3;      // in widths
+constexpr double kLargestStep = 0.1;      // in widths of the receiver
+constexpr double kTrust = 0.05;           // of a step, by which the corrector may move it
+constexpr double kShortestStep = 1e-13;   // in widths
+constexpr double kLeastArcError = 1e-14;  // in widths
+constexpr double kFirstStep = 1e-3;       // in widths
 constexpr int kMaxCorrections = 12;
 constexpr double kUsedChord = 0.8;
 constexpr int kMaxSplits = 40;
@@ -36,6 +37,8 @@ constexpr double kPlaceShare = 1e-10;
 constexpr double kFadeShare = 1e-7;
 // Places of a level this near to an arc, in chord tolerances, are on it.
 constexpr double kSameArc = 1e-2;
+// A search along an arc has ended that moves by this share of what counts as the same place.
+constexpr double kStandingStill = 1e-3;
 // Nodes lie on their level to this.
 constexpr double kNodeResidual = 1e-9;
 
@@ -71,7 +74,7 @@ class ArcTracer::Impl final : public DirectionField {
     return along.allFinite();
   }
   bool direction_at_end(const Point& p, Vec3& t) override {
-    arrived_ = correct(Vec2(p.x(), p.y()), kTrust * ds_);
+    arrived_ = correct(Vec2(p.x(), p.y()), kTrust * step_);
     if (arrived_) t = Vec3(arrived_->t.x(), arrived_->t.y(), 0.0);
     return arrived_.has_value();
   }
@@ -91,7 +94,8 @@ class ArcTracer::Impl final : public DirectionField {
   Predictor predictor_;
   const ArcVertex* from_ = nullptr;  // what stages are carried from
   std::optional<ArcNode> arrived_;
-  double ds_ = 0.0, step_ = 0.0;
+  StepLength length_;
+  double step_ = 0.0;  // the last that was tried
   ArcNode start_;
 };
 
@@ -118,26 +122,22 @@ std::optional<ArcNode> ArcTracer::Impl::correct(const Vec2& start, double trust)
 
 std::optional<ArcNode> ArcTracer::Impl::advance(const ArcNode& from) {
   from_ = &from.at;
-  while (ds_ > kShortestStep * width_) {
+  while (length_.now() > kShortestStep * width_) {
+    step_ = length_.now();
     const Point p(from.at.q.x(), from.at.q.y(), 0.0);
-    const auto step = predictor_.attempt(p, Vec3(from.t.x(), from.t.y(), 0.0), ds_);
-    double factor = 0.25;
-    if (step.usable) {
-      const double allowed = std::max(kPredictorShare * ds_, 1e-14 * width_);
-      const double turn = std::acos(std::clamp(from.t.dot(arrived_->t), -1.0, 1.0));
-      const double most =
-          1.0 / std::max({turn / kLargestTurn, ds_ / (kLargestStep * width_), 1e-3});
-      factor = kSafety * std::pow(allowed / std::max(step.error, 1e-300), 0.2);
-      factor = std::clamp(std::min(factor, kSafety * most), 0.2, 3.0);
-      if (step.error <= allowed && most >= 1.0) {
-        step_ = ds_;
-        ds_ *= factor;
-        ArcNode to = *arrived_;
-        to.s = step_;
-        return to;
-      }
+    const auto step = predictor_.attempt(p, Vec3(from.t.x(), from.t.y(), 0.0), step_);
+    if (!step.usable) {
+      length_.failed();
+      continue;
     }
-    ds_ *= std::min(factor, kSafety);
+    const double allowed = std::max(kPredictorShare * step_, kLeastArcError * width_);
+    const double turn = std::acos(std::clamp(from.t.dot(arrived_->t), -1.0, 1.0));
+    const double room = StepLength::room(turn, kLargestTurn, step_, kLargestStep * width_);
+    if (length_.judge(step.error, allowed, room)) {
+      ArcNode to = *arrived_;
+      to.s = step_;
+      return to;
+    }
   }
   return std::nullopt;
 }
@@ -194,7 +194,8 @@ bool ArcTracer::Impl::accept(const ArcNode& a, const ArcNode& b, std::vector<Tot
     if (!at) continue;
     const Vec2 gap = ends[k].q - at->at.q;
     const double off = std::abs(at->t.x() * gap.y() - at->t.y() * gap.x());
-    if (off <= kNodeShare * width_ + 0.5 * gap.squaredNorm() / std::max(ds_, 1e-300)) {
+    if (off <= kNodeShare * width_ +
+                   0.5 * gap.squaredNorm() / std::max(length_.now(), kShortestStep * width_)) {
       first = *s;
       end = k;
     }
@@ -221,11 +222,11 @@ LevelArc ArcTracer::Impl::follow(const Vec2& q, const Branches& branches,
                                  std::vector<TotalNode>& ends) {
   LevelArc arc;
   arc.vertices.push_back({q, branches});
-  ds_ = kFirstStep * width_;
+  length_ = StepLength(kFirstStep * width_);
   // A start inside a face lies on the level to a share of a cell only.
   from_ = &arc.vertices.front();
   if (std::abs(total_of(branches).E / options_.level - 1.0) > kNodeResidual) {
-    const auto on_level = correct(q, ds_);
+    const auto on_level = correct(q, length_.now());
     arc.stalled = !on_level;
     if (arc.stalled) return arc;
     arc.vertices.front() = on_level->at;
@@ -264,8 +265,9 @@ LevelArc ArcTracer::follow(const Vec2& q, const Branches& branches, std::vector<
   return impl_->follow(q, branches, ends);
 }
 
-// From the cubic between two vertices along ∇E onto the level and along the level towards q, in turn.
-// What is so near to the cubic is taken for the arc's: next to a caustic the cubic may lie beyond it.
+// From the cubic between two vertices along ∇E onto the level and along the level towards q, in
+// turn. What is so near to the cubic is taken for the arc's: next to a caustic the cubic may lie
+// beyond it.
 bool on_arc(SheetCarrier& carrier, const LevelArc& arc, double level, const Vec2& q, double chord) {
   const double same = kNodeShare * carrier.system().receiver().width();
   const auto passes = [&](const ArcVertex& a, const ArcVertex& b) {
@@ -284,7 +286,7 @@ bool on_arc(SheetCarrier& carrier, const LevelArc& arc, double level, const Vec2
       const Vec2 along = along_level(total), step = onto + along * along.dot(q - p - onto);
       p += step;
       if ((p - q).norm() <= same) return true;
-      if (step.norm() <= 1e-3 * same) return false;
+      if (step.norm() <= kStandingStill * same) return false;
     }
     return false;
   };

@@ -9,6 +9,7 @@
 #include "solver/chord.h"
 #include "solver/corrector.h"
 #include "solver/predictor.h"
+#include "solver/step_length.h"
 
 namespace caustic::solver {
 
@@ -26,10 +27,10 @@ constexpr double kTrustShare = 0.05;
 constexpr double kPositionShare = 1e-7;
 // Largest motion on the receiver in one step, in widths of it.
 constexpr double kMaxReceiverStep = 0.5;
-// A step's length is at most this share of what its limits allow, lest it be tried in vain.
-constexpr double kStepSafety = 0.9;
 // Steps shorter than this many roundings of x are a stall.
 constexpr double kMinStepRoundings = 1e3;
+// The predictor's error is not asked to be below so many of them.
+constexpr double kLeastErrorRoundings = 4.0;
 // Share of the chord tolerance that is used, since the estimate is of third order only, and how
 // much less of it by a piece that is a whole step.
 constexpr double kChordShare = 0.8;
@@ -77,7 +78,7 @@ class Tracer final : public DirectionField {
   // then.
   bool direction_at_end(const Point& x, Vec3& t) override {
     arrived_ = correct(evaluate_, level_, x,
-                       {options_.residual, kPositionShare * ds_, kTrustShare * ds_}, near_);
+                       {options_.residual, kPositionShare * step_, kTrustShare * step_}, near_);
     if (arrived_) t = sign_ * level_.tangent(*arrived_);
     return arrived_.has_value();
   }
@@ -120,7 +121,7 @@ class Tracer final : public DirectionField {
   Predictor predictor_;
   double sign_ = 1.0;
   const Hit* near_ = nullptr;          // hits where the step begins
-  double ds_ = 0.0;                    // next step
+  StepLength length_;                  // of the next step
   double step_ = 0.0;                  // length of the step that the predictor holds
   std::optional<FieldPoint> arrived_;  // the corrected end of that step
   std::array<double, 2> travelled_{};  // by the place and by its image, so far
@@ -133,29 +134,23 @@ class Tracer final : public DirectionField {
 double Tracer::allowance(const Node& from, const Node& to) const {
   const double turn = std::acos(std::clamp(to.t.dot(from.t), -1.0, 1.0));
   const double motion = (to.f.q - from.f.q).norm() / evaluate_.map().receiver().width();
-  return 1.0 / std::max({turn / kMaxTurn, motion / kMaxReceiverStep, 1e-3});
+  return StepLength::room(turn, kMaxTurn, motion, kMaxReceiverStep);
 }
 
 // One corrected step from `from`, as long as error, turn and motion on the receiver allow.
 std::optional<Node> Tracer::advance(const Node& from) {
   const double rounding = evaluate_.map().rounding(from.f.x);
   near_ = from.f.hits.get();
-  while (ds_ > kMinStepRoundings * rounding) {
-    const auto step = predictor_.attempt(from.f.x, from.t, ds_);
-    double factor = 0.25;
-    if (step.usable && arrived_->facing * from.f.facing > 0.0) {
-      const double allowed = std::max(kPredictorError * ds_, 4.0 * rounding);
-      factor = kStepSafety * std::pow(allowed / std::max(step.error, 1e-300), 0.2);
-      const Node to = node(*arrived_, ds_);
-      const double most = allowance(from, to);
-      factor = std::clamp(std::min(factor, kStepSafety * most), 0.2, 3.0);
-      if (step.error <= allowed && most >= 1.0) {
-        step_ = ds_;
-        ds_ *= factor;
-        return to;
-      }
+  while (length_.now() > kMinStepRoundings * rounding) {
+    step_ = length_.now();
+    const auto step = predictor_.attempt(from.f.x, from.t, step_);
+    if (!step.usable || !(arrived_->facing * from.f.facing > 0.0)) {
+      length_.failed();
+      continue;
     }
-    ds_ *= std::min(factor, kStepSafety);
+    const double allowed = std::max(kPredictorError * step_, kLeastErrorRoundings * rounding);
+    const Node to = node(*arrived_, step_);
+    if (length_.judge(step.error, allowed, allowance(from, to))) return to;
   }
   return std::nullopt;
 }
@@ -362,7 +357,7 @@ std::optional<Stop> Tracer::accept(const Node& a, const Node& b, Trace& out) {
 // Follows the curve from the seed, which `out` has already, in one direction.
 Stop Tracer::follow(const FieldPoint& seed, double sign, Trace& out) {
   sign_ = sign;
-  ds_ = options_.first_step;
+  length_ = StepLength(options_.first_step);
   accepted_ = 0;
   travelled_ = {};
   safe_until_.assign(static_cast<std::size_t>(domain_.size()), 0.0);
