@@ -9,6 +9,9 @@ namespace caustic::geometry {
 
 namespace {
 
+// A ball about a box is larger than half its diagonal by what rounding may take.
+constexpr double kBallRounding = 1e-12;
+
 // The part of x − p that a round bound measures: across the axis, or all of it.
 Vec3 radial(const Bound& b, const Point& x) {
   const Vec3 y = x - b.point;
@@ -33,6 +36,10 @@ double Bound::distance(const Point& x) const {
   if (kind == Kind::expression) return expression->value(x);
   if (kind == Kind::half_space) return axis.dot(x - point);
   return radial(*this, x).norm() - radius;
+}
+
+double Bound::least_in(const Box& box) const {
+  return lower_bound_within(box.center(), 0.5 * box.diagonal() * (1.0 + kBallRounding));
 }
 
 double Bound::lower_bound_within(const Point& x, double r) const {

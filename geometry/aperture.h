@@ -37,6 +37,8 @@ struct Bound {
   /// Largest value in a bounded box: at one of its corners, since every kind is convex;
   /// of an expression a bound of it.
   double largest_in(const Box& box) const;
+  /// Nothing in a bounded box is smaller.
+  double least_in(const Box& box) const;
   /// Smallest value that the function can have within `r` of x; of an expression a bound of it.
   double lower_bound_within(const Point& x, double r) const;
 };

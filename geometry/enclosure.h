@@ -34,6 +34,9 @@ inline IntervalVec3 intervals(const Box& box) {
   return {Interval(box.min.x(), box.max.x()), Interval(box.min.y(), box.max.y()),
           Interval(box.min.z(), box.max.z())};
 }
+inline Box box_of(const IntervalVec3& x) {
+  return {{x[0].lo, x[1].lo, x[2].lo}, {x[0].hi, x[1].hi, x[2].hi}};
+}
 inline IntervalSym3 packed(const Mat3& m) {
   return {m(0, 0), m(0, 1), m(0, 2), m(1, 1), m(1, 2), m(2, 2)};
 }

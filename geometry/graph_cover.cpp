@@ -59,11 +59,8 @@ GraphCover cover_by_graphs(const Surface& surface, const std::vector<Bound>& bou
     queue.pop_front();
     const IntervalVec3 ranges = intervals(box);
     if (!narrowed(surface, ranges).g.contains_zero()) continue;
-    const Point middle = box.center();
-    const double radius = 0.5 * box.diagonal() * (1.0 + 1e-12);
-    const bool excluded = std::any_of(bounds.begin(), bounds.end(), [&](const Bound& bound) {
-      return bound.lower_bound_within(middle, radius) > 0.0;
-    });
+    const bool excluded = std::any_of(bounds.begin(), bounds.end(),
+                                      [&](const Bound& b) { return b.least_in(box) > 0.0; });
     if (excluded) continue;
     int widest = 0;
     const double width = (box.max - box.min).maxCoeff(&widest);
@@ -76,7 +73,7 @@ GraphCover cover_by_graphs(const Surface& surface, const std::vector<Bound>& bou
       if (!holds_only_a_point(surface.enclose(ranges))) cover.undecided.push_back(box);
     } else {
       Box low = box, high = box;
-      low.max[widest] = high.min[widest] = middle[widest];
+      low.max[widest] = high.min[widest] = box.center()[widest];
       queue.insert(queue.end(), {low, high});
     }
   }

@@ -22,11 +22,9 @@ bool apart(const IntervalVec3& a, const geometry::Box& b) {
 
 // One of the bounds keeps the surface out of the box.
 bool cut_away(const SystemSurface& surface, const IntervalVec3& box) {
-  const geometry::Box inside{{box[0].lo, box[1].lo, box[2].lo}, {box[0].hi, box[1].hi, box[2].hi}};
-  const double radius = 0.5 * inside.diagonal() * (1.0 + 1e-12);
-  return std::any_of(surface.bounds.begin(), surface.bounds.end(), [&](const auto& bound) {
-    return bound.lower_bound_within(inside.center(), radius) > 0.0;
-  });
+  const geometry::Box inside = geometry::box_of(box);
+  return std::any_of(surface.bounds.begin(), surface.bounds.end(),
+                     [&](const geometry::Bound& b) { return b.least_in(inside) > 0.0; });
 }
 
 }  // namespace

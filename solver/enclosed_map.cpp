@@ -25,7 +25,7 @@ Slopes difference(const Slopes& a, const Slopes& b) { return combined(a, b, -1.0
 Slopes unknown() { return {Interval::whole(), Interval::whole(), Interval::whole()}; }
 
 Interval mean_value(const Slopes& over, const Interval& middle, const Interval& ds,
-                 const Interval& dt) {
+                    const Interval& dt) {
   return meet(over.v, middle + over.s * ds + over.t * dt);
 }
 
@@ -66,11 +66,8 @@ EnclosedMap::EnclosedMap(const ForwardMap& map)
 Slopes EnclosedMap::bound(const geometry::Bound& b, const IntervalVecJet& x) const {
   using Kind = geometry::Bound::Kind;
   if (b.kind == Kind::expression) {
-    const geometry::Box box{{x[0].v.lo, x[1].v.lo, x[2].v.lo}, {x[0].v.hi, x[1].v.hi, x[2].v.hi}};
-    const Interval range(-geometry::kInfinity, b.largest_in(box));
-    const double radius = 0.5 * box.diagonal() * (1.0 + 1e-12);
-    return {Interval(b.lower_bound_within(box.center(), radius), range.hi), Interval::whole(),
-            Interval::whole()};
+    const geometry::Box box = geometry::box_of(geometry::IntervalVec3{x[0].v, x[1].v, x[2].v});
+    return {{b.least_in(box), b.largest_in(box)}, Interval::whole(), Interval::whole()};
   }
   const IntervalVecJet y = x - b.point;
   if (b.kind == Kind::half_space) return first_order(geometry::dot(b.axis, y));

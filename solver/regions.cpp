@@ -21,6 +21,8 @@ constexpr double kSameDirection = 0.05;
 // points inside as deep as possible to this share.
 constexpr double kNoDepth = 1e-6;
 constexpr double kDepthPrecision = 2e-3;
+// Areas that differ by no more than this share are those of the two sides of one piece.
+constexpr double kSameArea = 1e-12;
 
 // A piece, run through with the face in question on its left.
 struct Side {
@@ -194,7 +196,7 @@ void FaceFinder::gather() {
       const double area = twice_area(about.line);
       // Sides of one piece are the outer edge of what it surrounds and a hole in what surrounds it.
       const bool same =
-          area <= -twice_area(hole.line) * (1.0 + 1e-12) ||
+          area <= -twice_area(hole.line) * (1.0 + kSameArea) ||
           (hole.branches >= 0 && about.branches >= 0 && hole.branches != about.branches);
       if (same || area >= least || !surrounds(about.line, hole.line.front())) continue;
       least = area;

@@ -13,6 +13,8 @@ namespace {
 // A node's place, in widths of the receiver; what rounding leaves of E₀/E − 1.
 constexpr double kNodePlace = 1e-10;
 constexpr double kLeastExcess = 1e-15;
+// A crossing that is off by so many residuals is none: nothing could be followed up to it.
+constexpr double kFarFromLevel = 1e3;
 
 class NodeFinder {
  public:
@@ -115,7 +117,8 @@ class NodeFinder {
     const double small = std::min(residual_, std::max(place, kLeastExcess));
     geometry::illinois_root(
         value, [&](double, double f) { return std::abs(f) <= small; }, 0.0, 1.0, at_a, at_b);
-    if (!last || std::abs(excess(total(*last, side))) > 1e3 * residual_) return std::nullopt;
+    if (!last || std::abs(excess(total(*last, side))) > kFarFromLevel * residual_)
+      return std::nullopt;
     return Crossing{where, side, std::move(*last)};
   }
 

@@ -1,32 +1,19 @@
 // The solver's time for a request, on one core, as ContourResult::seconds has it.
 #include <benchmark/benchmark.h>
 
-#include "tests/bench/samples.h"
 #include "tests/bench/scenes.h"
 
 namespace caustic::bench {
 namespace {
 
 void contours(benchmark::State& state, SceneRequest scene) {
-  scene.request.threads = 1;
-  Samples samples;
-  solver::ContourResult result;
-  for (auto _ : state) {
-    result = solver::trace_contours(scene.system, scene.request);
-    samples.add(result.seconds);
-  }
-  std::size_t vertices = 0;
-  for (const solver::Curve& curve : result.curves) vertices += curve.vertices.size();
-  samples.report_milliseconds(state);
+  const bool certify = scene.request.certify;
+  const auto result = trace(state, std::move(scene));
   state.counters["curves"] = static_cast<double>(result.curves.size());
-  state.counters["vertices"] = static_cast<double>(vertices);
-  state.counters["evaluations"] = static_cast<double>(result.evaluations);
-  if (scene.request.certify) {
-    state.counters["certified"] = result.certified;
-    state.counters["cells"] = static_cast<double>(result.cells);
-    state.counters["undecided"] = static_cast<double>(result.undecided_cells);
-  }
-  state.counters["us_per_vertex"] = 1e6 * samples.min() / static_cast<double>(vertices);
+  if (!certify) return;
+  state.counters["certified"] = result.certified;
+  state.counters["cells"] = static_cast<double>(result.cells);
+  state.counters["undecided"] = static_cast<double>(result.undecided_cells);
 }
 
 BENCHMARK_CAPTURE(contours, ellipsoid_bowl, example_scene("ellipsoid-bowl"));

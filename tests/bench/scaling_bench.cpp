@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "tests/bench/samples.h"
 #include "tests/bench/scenes.h"
 
 namespace caustic::bench {
@@ -12,23 +11,12 @@ namespace {
 
 void total_of_nephroid(benchmark::State& state, int levels, double chord_share) {
   SceneRequest scene = nephroid_total();
-  scene.request.threads = 1;
   scene.request.time_limit = 60.0;
   scene.request.chord_tolerance = chord_share * scene.system.receiver().width();
   scene.request.levels.values.clear();
   for (int i = 0; i < levels; ++i)
     scene.request.levels.values.push_back(0.5 * std::pow(16.0, (i + 0.5) / levels));
-  Samples samples;
-  solver::ContourResult result;
-  for (auto _ : state) {
-    result = solver::trace_contours(scene.system, scene.request);
-    samples.add(result.seconds);
-  }
-  std::size_t vertices = 0;
-  for (const solver::Curve& curve : result.curves) vertices += curve.vertices.size();
-  samples.report_milliseconds(state);
-  state.counters["vertices"] = static_cast<double>(vertices);
-  state.counters["evaluations"] = static_cast<double>(result.evaluations);
+  const auto result = trace(state, std::move(scene));
   state.counters["undecided"] = static_cast<double>(result.undecided_cells);
 }
 

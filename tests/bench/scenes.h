@@ -1,11 +1,14 @@
 // Scenes that several benchmarks share.
 #pragma once
 
+#include <benchmark/benchmark.h>
+
 #include <string_view>
 
 #include "service/api/contour_json.h"
 #include "service/examples/examples.h"
 #include "solver/contours.h"
+#include "tests/bench/samples.h"
 
 namespace caustic::bench {
 
@@ -13,6 +16,24 @@ struct SceneRequest {
   solver::OpticalSystem system;
   solver::ContourRequest request;
 };
+
+/// Traces it for as long as the state wants, on one core, by ContourResult::seconds.
+inline solver::ContourResult trace(benchmark::State& state, SceneRequest scene) {
+  scene.request.threads = 1;
+  Samples samples;
+  solver::ContourResult result;
+  for (auto _ : state) {
+    result = solver::trace_contours(scene.system, scene.request);
+    samples.add(result.seconds);
+  }
+  std::size_t vertices = 0;
+  for (const solver::Curve& curve : result.curves) vertices += curve.vertices.size();
+  samples.report_milliseconds(state);
+  state.counters["vertices"] = static_cast<double>(vertices);
+  state.counters["evaluations"] = static_cast<double>(result.evaluations);
+  state.counters["us_per_vertex"] = 1e6 * samples.min() / static_cast<double>(vertices);
+  return result;
+}
 
 /// One of service/examples/, sheet by sheet.
 inline SceneRequest example_scene(std::string_view name) {

@@ -195,7 +195,7 @@ TEST(BoxOf, ContainsWhatExists) {
   EXPECT_EQ(box.min, Point(-1, -2, -3));
   EXPECT_EQ(box.max, Point(1, 2, 3));
   EXPECT_TRUE(box_of({ball({1, 1, 1}, 2.0, Bound::Origin::clip)}).bounded());
-  EXPECT_FALSE(box_of({}).bounded());
+  EXPECT_FALSE(box_of(std::vector<Bound>{}).bounded());
   EXPECT_TRUE(box_of(box_aperture({0, 0, 1}, {1, 1, 0})).empty());
 }
 
