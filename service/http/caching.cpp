@@ -13,8 +13,6 @@ constexpr std::size_t kSmallestCompressed = 1000, kLargestCompressed = 32u << 20
 constexpr int kGzipLevel = 1;  // 4 MiB of JSON in 40 ms; the best level takes ten times as long
 constexpr int kGzipWindow = 15 + 16;
 
-constexpr const char* kForever = "max-age=31536000, immutable";
-
 std::string_view stripped(std::string_view text) {
   const auto begin = text.find_first_not_of(" \t");
   if (begin == text.npos) return {};
@@ -91,6 +89,21 @@ void compress(const HttpRequest& request, HttpResponse& response) {
   response.headers.emplace_back("Content-Encoding", "gzip");
   for (auto& [name, value] : response.headers)
     if (name == "ETag") value.insert(value.size() - 1, "-gzip");
+}
+
+std::string gunzip(std::string_view bytes, std::size_t size) {
+  z_stream stream{};
+  if (inflateInit2(&stream, kGzipWindow) != Z_OK) throw std::runtime_error("inflateInit2");
+  std::string out(size, '\0');
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
+  stream.avail_in = static_cast<uInt>(bytes.size());
+  stream.next_out = reinterpret_cast<Bytef*>(out.data());
+  stream.avail_out = static_cast<uInt>(out.size());
+  const int status = inflate(&stream, Z_FINISH);
+  const bool whole = stream.total_out == size;
+  inflateEnd(&stream);
+  if (status != Z_STREAM_END || !whole) throw std::runtime_error("inflate");
+  return out;
 }
 
 bool accepts_gzip(std::string_view accept_encoding) {

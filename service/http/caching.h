@@ -8,6 +8,9 @@
 
 namespace caustic::service {
 
+/// `Cache-Control` of what never changes.
+inline constexpr const char* kForever = "max-age=31536000, immutable";
+
 /// True if `If-None-Match` of the request has this tag (RFC 9110, 13.1.2: weak comparison).
 bool has_tag(const HttpRequest& request, std::string_view tag);
 
@@ -20,6 +23,9 @@ HttpResponse not_modified(std::string_view tag);
 /// The body as gzip, if the client takes that, the kind of content gains by it and it is not tiny;
 /// and `Vary` either way.
 void compress(const HttpRequest& request, HttpResponse& response);
+
+/// What was compressed from `size` bytes.
+std::string gunzip(std::string_view bytes, std::size_t size);
 
 /// True if `Accept-Encoding` has gzip with a quality over 0.
 bool accepts_gzip(std::string_view accept_encoding);

@@ -11,6 +11,7 @@
 #include "service/http/caching.h"
 #include "service/http/docs_page.h"
 #include "service/http/job_events.h"
+#include "service/http/page_response.h"
 #include "service/point_service.h"
 
 namespace caustic::service {
@@ -103,6 +104,8 @@ const Routes::Row Routes::kTable[] = {
     {"GET",    "/metrics",           false, &Routes::metrics},
     {"GET",    "/openapi.json",      false, &Routes::openapi},
     {"GET",    "/docs",              false, &Routes::docs},
+    {"GET",    "/",                  false, &Routes::page},
+    {"GET",    "/assets/{}",         false, &Routes::page},
 };
 // clang-format on
 
@@ -317,7 +320,15 @@ void Routes::openapi(const Call& call) {
   call.exchange->answer(json_response(std::string(openapi_document())));
 }
 
+void Routes::page(const Call& call) {
+  const PageFile* file = find_page_file(path_of_target(call.request.target));
+  if (!file) refuse(404, "nothing is here");
+  call.exchange->answer(page_response(call.request, *file));
+}
+
+/// The page's own, else, in a build without it, one that needs no script.
 void Routes::docs(const Call& call) {
+  if (find_page_file("/docs")) return page(call);
   static const std::string page = docs_page(openapi_document());
   HttpResponse response{200,
                         "text/html; charset=utf-8",

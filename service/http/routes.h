@@ -53,6 +53,7 @@ class Routes {
   void metrics(const Call& call);
   void openapi(const Call& call);
   void docs(const Call& call);
+  void page(const Call& call);
 
   void compute(const Call& call, Answer answer);
 

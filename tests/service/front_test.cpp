@@ -1,4 +1,5 @@
 #include "service/http/front.h"
+#include "service/page/page_files.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -46,7 +47,11 @@ TEST_F(FrontTest, a_token_protects_everything_but_health) {
   options.token = "secret";
   EXPECT_EQ(ask("GET", "/healthz").status, 200);
   EXPECT_EQ(ask("GET", "/readyz?x").status, 200);
-  for (const char* target : {"/metrics", "/v1/examples", "/", "/healthz/../metrics"})
+  // The page asks for the token, so it is there without one.
+  for (const PageFile& file : page_files())
+    EXPECT_EQ(ask("GET", std::string(file.path)).status, 200) << file.path;
+  for (const char* target :
+       {"/metrics", "/v1/examples", "/openapi.json", "/assets/", "/healthz/../metrics"})
     EXPECT_EQ(ask("GET", target).status, 401) << target;
   EXPECT_EQ(header(ask("GET", "/metrics"), "WWW-Authenticate"), "Bearer");
   for (const char* shown : {"Bearer secret ", "Bearer secre", "bearer secret", "secret", "Bearer ",

@@ -228,8 +228,13 @@ TEST_F(RoutesTest, names_faults_as_problem_json) {
 
 TEST_F(RoutesTest, refuses_what_is_not_served) {
   const std::tuple<const char*, std::string, int> cases[] = {
-      {"GET", "/", 404},
+      {"GET", "//", 404},
       {"GET", "", 404},
+      {"POST", "/", 405},
+      {"GET", "/assets/", 404},
+      {"GET", "/assets/none.js", 404},
+      {"GET", "/assets/../etc/passwd", 404},
+      {"DELETE", "/assets/none.js", 405},
       {"GET", "*", 404},
       {"GET", "/v1/contours/", 404},
       {"POST", "/nothing", 404},
