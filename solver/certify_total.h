@@ -6,18 +6,11 @@
 #include <cstddef>
 #include <vector>
 
-#include "solver/branches.h"
 #include "solver/certify_contours.h"
+#include "solver/edge_roots.h"
 #include "solver/mirror_cells.h"
 
 namespace caustic::solver {
-
-/// A place on an arc of the total.
-struct TotalSeed {
-  int level;  ///< index
-  Vec2 q;
-  Branches branches;
-};
 
 /// A rectangle of the receiver in which the arcs of these levels could not be told.
 struct UndecidedPart {

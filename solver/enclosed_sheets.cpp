@@ -71,7 +71,8 @@ std::vector<Cluster> clusters_of(const MirrorCells& mirror, const std::vector<in
 
 // What can be said of a cluster whose sheets are not told apart; nothing if that is no use.
 std::optional<NearCaustic> near_caustic(MirrorCells& mirror, const Cluster& cluster) {
-  NearCaustic near{cluster.cells, false, true, geometry::kInfinity, mirror[cluster.cells[0]].steep};
+  NearCaustic near{
+      cluster.cells, false, true, true, geometry::kInfinity, mirror[cluster.cells[0]].steep};
   for (const int i : cluster.cells) {
     const MirrorCell& cell = mirror[i];
     near.least = std::min(near.least, cell.least);
@@ -84,8 +85,8 @@ std::optional<NearCaustic> near_caustic(MirrorCells& mirror, const Cluster& clus
     }
   }
   if (!(near.least > 0.0)) return std::nullopt;
-  near.inside = near.inside && std::all_of(cluster.cells.begin(), cluster.cells.end(),
-                                           [&](int i) { return mirror.clear(i); });
+  near.clear = std::all_of(cluster.cells.begin(), cluster.cells.end(),
+                           [&](int i) { return mirror.clear(i); });
   return near;
 }
 

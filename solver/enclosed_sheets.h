@@ -26,12 +26,15 @@ struct EnclosedSheet {
 struct NearCaustic {
   std::vector<int> cells;
   bool folds;    ///< A may vanish
-  bool inside;   ///< of the domain all over, and nothing hides its light
+  bool inside;   ///< of the domain all over
+  bool clear;    ///< nothing hides its light
   double least;  ///< irradiance, W/m²
   std::array<MirrorCell::Steep, 2> steep;
 
   /// Smaller cells would hardly tell more.
-  bool told() const { return folds && inside && (steep[0].sign != 0 || steep[1].sign != 0); }
+  bool told() const {
+    return folds && inside && clear && (steep[0].sign != 0 || steep[1].sign != 0);
+  }
 };
 
 struct EnclosedSheets {
