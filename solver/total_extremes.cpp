@@ -28,7 +28,7 @@ constexpr double kEvenShare = 1e-6;
 constexpr double kIntoTheDark = 1e-3;
 constexpr int kMaxDarkSteps = 20;
 // Along a segment a derivative has vanished that is this share of those at its ends.
-constexpr double kFlatShare = 1e-9;
+constexpr double kFlatSlopeShare = 1e-9;
 // Derivatives along a segment are taken so near to its ends.
 constexpr double kNearEnd = 1e-6;
 
@@ -143,7 +143,7 @@ void ExtremeFinder::look_between(const BoundaryCurve& curve, const Side& side,
   };
   const double da = derivative(kNearEnd), db = derivative(1.0 - kNearEnd);
   if (!std::isfinite(da) || !std::isfinite(db) || (da > 0.0) == (db > 0.0)) return;
-  const double last = kFlatShare * (std::abs(da) + std::abs(db));
+  const double last = kFlatSlopeShare * (std::abs(da) + std::abs(db));
   double slope = 0.0;
   geometry::illinois_root(
       derivative,
