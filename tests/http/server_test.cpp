@@ -282,51 +282,6 @@ TEST_F(ServerTest, a_full_disk_is_507_and_leaves_nothing) {
   EXPECT_EQ(http_get(full.port(), "/healthz").status, 200);
 }
 
-/// Whatever moment the server is killed at, what is in its folder afterwards is whole.
-TEST_F(ServerTest, killed_at_any_moment_leaves_whole_files) {
-  const auto data = folder.path() / "killed";
-  std::vector<std::string> answers;
-  std::mutex mutex;
-  for (int round = 0; round < 5; ++round) {
-    ServerProcess victim(data);
-    std::vector<std::thread> clients;
-    for (int t = 0; t < 4; ++t)
-      clients.emplace_back([&, t] {
-        for (int i = 0; i < 50; ++i) {
-          json request = ball_request();
-          request["levels"] = {1e-4 * (1 + round) + 1e-6 * (1 + i) + 1e-8 * (1 + t), 0.0005};
-          const HttpReply reply = http_post(victim.port(), "/v1/contours", request.dump());
-          if (reply.status != 200) return;
-          const std::lock_guard lock(mutex);
-          answers.push_back(reply.body);
-        }
-      });
-    // Each round at another moment, but never before something was answered: sanitizers are slow.
-    const auto answered = [&] {
-      const std::lock_guard lock(mutex);
-      return answers.size();
-    };
-    const std::size_t enough = answered() + 1 + 4 * round;
-    for (int wait = 0; wait < 6000 && answered() < enough; ++wait)
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    std::this_thread::sleep_for(std::chrono::milliseconds(3 * round));
-    victim.stop(SIGKILL);
-    for (std::thread& client : clients) client.join();
-  }
-  EXPECT_FALSE(answers.empty());
-  const ServerProcess again(data);
-  for (const auto& entry : std::filesystem::directory_iterator(data))
-    EXPECT_EQ(http_get(again.port(), "/v1/results/" + entry.path().stem().string() + ".csv").status,
-              200)
-        << entry.path();
-  for (const std::string& answer : answers) {
-    const json document = json::parse(answer, nullptr, false);
-    if (document.is_discarded()) continue;  // cut off on its way by the kill
-    EXPECT_EQ(http_get(again.port(), "/v1/results/" + document["id"].get<std::string>()).body,
-              answer);
-  }
-}
-
 TEST_F(ServerTest, two_servers_share_a_folder) {
   const ServerProcess one(folder.path() / "shared"), two(folder.path() / "shared");
   const HttpReply first = http_post(one.port(), "/v1/contours", ball_request().dump());
