@@ -49,12 +49,16 @@ std::optional<Monotone> flattest(const Surface& surface, const IntervalVec3& box
 }  // namespace
 
 GraphCover cover_by_graphs(const Surface& surface, const std::vector<Bound>& bounds,
-                           const Box& region) {
+                           const Box& region, const std::function<bool()>& stop) {
   GraphCover cover;
   const double size = region.diagonal();
   std::deque<Box> queue{
       {region.min.array() - kMarginBelow * size, region.max.array() + kMarginAbove * size}};
   for (std::size_t seen = 0; !queue.empty(); ++seen) {
+    if (stop && stop()) {
+      cover.undecided.insert(cover.undecided.end(), queue.begin(), queue.end());
+      break;
+    }
     const Box box = queue.front();
     queue.pop_front();
     const IntervalVec3 ranges = intervals(box);

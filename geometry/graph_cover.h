@@ -2,6 +2,7 @@
 // it (S70): charts that need nothing but the ranges of g and ∇g.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "geometry/surface.h"
@@ -23,12 +24,13 @@ struct GraphChart {
 
 struct GraphCover {
   std::vector<GraphChart> charts;
-  /// Boxes given up: ∇g vanishes there, or nearly.
+  /// Boxes given up: ∇g vanishes there, or nearly; or they were to be divided when told to stop.
   std::vector<Box> undecided;
 };
 
-/// All points of the surface in `region` that `bounds` admit lie in one of the boxes.
+/// All points of the surface in `region` that `bounds` admit lie in one of the boxes. `stop` is
+/// asked before each box is looked at.
 GraphCover cover_by_graphs(const Surface& surface, const std::vector<Bound>& bounds,
-                           const Box& region);
+                           const Box& region, const std::function<bool()>& stop = {});
 
 }  // namespace caustic::geometry

@@ -35,8 +35,10 @@ JobResult ContourService::compute(ContourCall& call, JobControl& control) const 
   const std::string id = result_id(call, result);
   ResultRecord record;
   record.curves = to_polylines(call, result);
+  control.throw_if_cancelled();  // each of these steps may take a while
   if (!call.store) return {answer_json(call, result, id, false, write_geojson(record.curves))};
   record.answer = answer_json(call, result, id, true);
+  control.throw_if_cancelled();
   if (store_.save(id, record)) return {record.answer, id};
   // Another server on the same folder was first: its answer is the one that stays.
   return {store_.load_answer(id).value_or(record.answer), id};

@@ -23,18 +23,17 @@ class Budget {
         cancelled_(cancelled) {}
 
   /// True once the time is up, the vertices are spent or the request was cancelled; stays true.
-  bool exhausted() {
-    return vertices_left_.load(std::memory_order_relaxed) < 0 || out_of_time();
-  }
+  bool exhausted() { return vertices_left_.load(std::memory_order_relaxed) < 0 || out_of_time(); }
   /// The same but for the vertices: what has been traced may still be finished.
   bool out_of_time() {
     if (out_of_time_.load(std::memory_order_relaxed)) return true;
-    const bool cancelled = cancelled_ && cancelled_->load(std::memory_order_relaxed);
-    if (cancelled || std::chrono::steady_clock::now() > deadline_) {
+    if (cancelled() || std::chrono::steady_clock::now() > deadline_) {
       out_of_time_.store(true, std::memory_order_relaxed);
     }
     return out_of_time_.load(std::memory_order_relaxed);
   }
+  /// Nobody wants the result: not even what is missing in it has to be said.
+  bool cancelled() const { return cancelled_ && cancelled_->load(std::memory_order_relaxed); }
   void spend_vertices(std::size_t n) { vertices_left_ -= static_cast<std::int64_t>(n); }
   void count_evaluations(std::uint64_t n) { evaluations_ += n; }
   std::uint64_t evaluations() const { return evaluations_; }

@@ -259,7 +259,9 @@ void Certifier::give_up(const Square& square) {
 
 ContourCertificate Certifier::run() {
   const auto& mirror = map_.map().mirror();
-  auto cover = geometry::cover_by_graphs(*mirror.shape, mirror.bounds, mirror.region);
+  auto cover = geometry::cover_by_graphs(*mirror.shape, mirror.bounds, mirror.region,
+                                         [&] { return evaluate_.budget().exhausted(); });
+  result_.exhausted = evaluate_.budget().exhausted();
   charts_ = std::move(cover.charts);
   std::vector<int> all(targets_.size());
   std::iota(all.begin(), all.end(), 0);
@@ -272,9 +274,9 @@ ContourCertificate Certifier::run() {
         {i, {chart.own[chart.first()], chart.own[chart.second()], chart.reach, false}, all});
   }
   while (!queue_.empty()) {
-    if (result_.cells >= options_.max_cells ||
-        (result_.cells % kBetweenChecks == 0 && evaluate_.budget().exhausted())) {
+    if (result_.cells >= options_.max_cells || evaluate_.budget().exhausted()) {
       result_.exhausted = true;
+      if (evaluate_.budget().cancelled()) break;
       for (const Square& square : queue_) give_up(square);
       break;
     }

@@ -39,7 +39,7 @@ class TotalCertifier {
         carrier_(system, fields, budget),
         roots_(carrier_, mirrors_, levels) {
     for (const FamilyField* field : fields)
-      mirrors_.emplace_back(field->map, field->visibility.has_value());
+      mirrors_.emplace_back(field->map, field->visibility.has_value(), budget);
   }
 
   TotalCertificate run();
@@ -104,7 +104,7 @@ void TotalCertifier::prove_boundaries() {
 bool TotalCertifier::sheets_of(Rectangle& rectangle, RectangleTotals& over) {
   const double size = kKeptShare * rectangle.part.size(), highest = levels_[rectangle.open.back()];
   for (int i = 0; i < static_cast<int>(mirrors_.size()); ++i) {
-    rectangle.cells[i] = mirrors_[i].reaching(rectangle.part, rectangle.cells[i], size);
+    rectangle.cells[i] = mirrors_[i].reaching(rectangle.part, rectangle.cells[i], size, budget_);
     auto found = sheets_over(rectangle.part, mirrors_[i], rectangle.cells[i], rectangle.part.size(),
                              carrier_.evaluator(i));
     if (!found) return false;
@@ -167,9 +167,7 @@ void TotalCertifier::divide(const Rectangle& rectangle) {
 // False if a limit of cells or time is met.
 bool TotalCertifier::treat_all() {
   while (!queue_.empty()) {
-    if (rectangles_ >= options_.max_cells ||
-        (rectangles_ % kBetweenChecks == 0 && budget_.exhausted()))
-      return false;
+    if (rectangles_ >= options_.max_cells || budget_.exhausted()) return false;
     Rectangle next = std::move(queue_.front());
     queue_.pop_front();
     ++rectangles_;
@@ -228,8 +226,8 @@ TotalCertificate TotalCertifier::run() {
   std::iota(all.open.begin(), all.open.end(), 0);
   if (!levels_.empty()) queue_.push_back(std::move(all));
   while (!queue_.empty() && treat_all()) search_turns();
-  if (!queue_.empty()) {
-    result_.exhausted = true;
+  if (!queue_.empty()) result_.exhausted = true;
+  if (!queue_.empty() && !budget_.cancelled()) {
     for (const auto& [i, turns] : unsearched()) queue_.push_back(settled_[i].rectangle);
     for (const Rectangle& r : queue_) result_.undecided.push_back({r.part, r.open});
   }

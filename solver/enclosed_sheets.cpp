@@ -310,11 +310,13 @@ std::optional<EnclosedSheets> sheets_over(const ReceiverCell& part, MirrorCells&
                                           std::vector<int> cells, double size,
                                           Evaluator& evaluate) {
   EnclosedSheets out;
+  if (evaluate.budget().exhausted()) return std::nullopt;
   for (const double share : kImageShares) {
     std::vector<int> left;
     const bool last = share == kImageShares.back();
-    cells = mirror.reaching(part, cells, share * size);
+    cells = mirror.reaching(part, cells, share * size, evaluate.budget());
     for (const Cluster& cluster : clusters_of(mirror, cells)) {
+      if (evaluate.budget().exhausted()) return std::nullopt;
       EnclosedSheet sheet;
       const Outcome outcome = find_sheet(part, mirror, cluster, evaluate, sheet);
       if (outcome == Outcome::open) {

@@ -42,7 +42,8 @@ struct EnclosedSheets {
   std::vector<NearCaustic> near;
 };
 
-/// Nothing if it cannot be told for a rectangle of this size, m. `cells` hold all that reach it.
+/// Nothing if it cannot be told for a rectangle of this size, m, or the budget is exhausted.
+/// `cells` hold all that reach it.
 std::optional<EnclosedSheets> sheets_over(const ReceiverCell& part, MirrorCells& mirror,
                                           std::vector<int> cells, double size, Evaluator& evaluate);
 

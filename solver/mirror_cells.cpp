@@ -14,16 +14,16 @@ constexpr double kLeastIrregular = 1e-3;
 
 }  // namespace
 
-MirrorCells::MirrorCells(const ForwardMap& map, bool may_be_hidden)
+MirrorCells::MirrorCells(const ForwardMap& map, bool may_be_hidden, Budget& budget)
     : map_(map),
       way_(map),
       may_be_hidden_(may_be_hidden),
       least_(kLeastIrregular * map.system().diameter()) {
   const auto& mirror = map.mirror();
-  auto cover = geometry::cover_by_graphs(*mirror.shape, mirror.bounds, mirror.region);
+  auto cover = geometry::cover_by_graphs(*mirror.shape, mirror.bounds, mirror.region,
+                                         [&] { return budget.exhausted(); });
   charts_ = std::move(cover.charts);
-  undecided_ = std::move(cover.undecided);
-  for (int i = 0; i < static_cast<int>(charts_.size()); ++i) {
+  for (int i = 0; i < static_cast<int>(charts_.size()) && !budget.exhausted(); ++i) {
     const auto& chart = charts_[i];
     add(i, {chart.own[chart.first()], chart.own[chart.second()], chart.reach, false}, roots_);
   }
@@ -142,7 +142,7 @@ void MirrorCells::divide(int i) {
 }
 
 std::vector<int> MirrorCells::reaching(const ReceiverCell& part, const std::vector<int>& cells,
-                                       double size) {
+                                       double size, Budget& budget) {
   std::vector<int> out, left(cells.rbegin(), cells.rend());
   while (!left.empty()) {
     const int i = left.back();
@@ -152,7 +152,7 @@ std::vector<int> MirrorCells::reaching(const ReceiverCell& part, const std::vect
       continue;
     const bool small = cell.regular ? cell.image.size() <= size
                                     : std::max(cell.cell.s.width(), cell.cell.t.width()) <= least_;
-    if (small) {
+    if (small || (!cell.divided && budget.exhausted())) {
       out.push_back(i);
       continue;
     }

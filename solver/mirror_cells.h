@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "solver/budget.h"
 #include "solver/clear_way.h"
 #include "solver/enclosed_map.h"
 
@@ -41,8 +42,9 @@ struct MirrorCell {
 
 class MirrorCells {
  public:
-  /// Nothing is asked about what hides light if that is known to be nothing.
-  MirrorCells(const ForwardMap& map, bool may_be_hidden);
+  /// Nothing is asked about what hides light if that is known to be nothing. Cells are missing once
+  /// the budget is exhausted.
+  MirrorCells(const ForwardMap& map, bool may_be_hidden, Budget& budget);
 
   const EnclosedMap& map() const { return map_; }
   /// Valid until cells are divided.
@@ -53,14 +55,14 @@ class MirrorCells {
   bool holds(const std::vector<int>& cells, const Point& x) const;
   /// True if it is shown that nothing hides the light of the cell.
   bool clear(int i) { return !may_be_hidden_ || shown_clear(i, kClearHalvings); }
-  /// Boxes in which the surface is no graph.
-  const std::vector<geometry::Box>& undecided() const { return undecided_; }
 
   /// Cells that hold all that may reach all of the receiver.
   std::vector<int> all() const { return roots_; }
   /// Replaces cells by smaller ones that hold all of what may reach `part`: their images have at
-  /// most this size, m, and so have they themselves where images are not enclosed.
-  std::vector<int> reaching(const ReceiverCell& part, const std::vector<int>& cells, double size);
+  /// most this size, m, and so have they themselves where images are not enclosed. Once the budget
+  /// is exhausted no more are divided: they may be larger then.
+  std::vector<int> reaching(const ReceiverCell& part, const std::vector<int>& cells, double size,
+                            Budget& budget);
 
  private:
   void add(int chart, const GraphCell& cell, std::vector<int>& to);
@@ -75,7 +77,6 @@ class MirrorCells {
   bool may_be_hidden_;
   double least_;
   std::vector<geometry::GraphChart> charts_;
-  std::vector<geometry::Box> undecided_;
   std::vector<MirrorCell> cells_;
   std::vector<int> roots_;
   EnclosedField field_;

@@ -62,7 +62,7 @@ TEST(CertifyTotal, SheetsOverRectanglesHoldWhatAMeterFinds) {
   const ForwardMap map(system, 0, -1);
   Budget budget(60.0, 1000000, nullptr);
   Evaluator evaluate(map, budget);
-  MirrorCells mirror(map, false);
+  MirrorCells mirror(map, false, budget);
   test::Random random(7);
   int told = 0, near = 0;
   for (int k = 0; k < kRectangles; ++k) {
@@ -120,10 +120,10 @@ TEST(CertifyTotal, ClearWaysAreNotHidden) {
   ASSERT_TRUE(field.visibility);
   Budget budget(60.0, 1000000, nullptr);
   Evaluator evaluate(field.map, budget);
-  MirrorCells mirror(field.map, true);
+  MirrorCells mirror(field.map, true, budget);
   int clear = 0, hidden = 0;
   const ReceiverCell all{{-3.0, 3.0}, {-3.0, 3.0}};
-  for (const int i : mirror.reaching(all, mirror.all(), 0.3)) {
+  for (const int i : mirror.reaching(all, mirror.all(), 0.3, budget)) {
     const bool shown = mirror.clear(i);
     clear += shown;
     const auto box = mirror.box(i);
