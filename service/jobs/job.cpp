@@ -63,6 +63,11 @@ JobReport Job::report() const {
   return report_locked();
 }
 
+bool Job::can_be_joined() const {
+  const std::lock_guard lock(mutex_);
+  return !outcome_ && !cancelled_;
+}
+
 void Job::wait(const void* who, Waiter waiter) {
   {
     const std::lock_guard lock(mutex_);

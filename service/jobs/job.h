@@ -54,6 +54,9 @@ class Job : public JobControl {
   const std::string& id() const { return id_; }
   JobReport report() const;
   using JobControl::report;
+  /// False once it was given up, for then it gives no answer, or has ended: who has heard how, and
+  /// asks again, wants another one.
+  bool can_be_joined() const;
 
   /// Calls `waiter` with the outcome: now if it is there, else from the thread that finds it.
   /// `who` is whatever leave() will be called with.

@@ -18,9 +18,8 @@ Jobs::~Jobs() { interrupt(); }
 std::shared_ptr<Job> Jobs::start(const std::string& key, JobWork work) {
   const std::lock_guard lock(mutex_);
   if (stopping_) throw ProblemError(make_problem(503, "the service is stopping"));
-  // One that was given up, because all who asked have gone, will not give an answer.
   if (const auto found = under_way_.find(key);
-      found != under_way_.end() && !*found->second->cancelled())
+      found != under_way_.end() && found->second->can_be_joined())
     return found->second;
   auto job = std::make_shared<Job>(random_id(), std::move(work));
   const std::string name = key.empty() ? job->id() : key;

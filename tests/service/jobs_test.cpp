@@ -58,6 +58,20 @@ TEST(Jobs, equal_ones_are_done_once) {
   EXPECT_NE(jobs.start("key", gate.work()), first);  // what has ended is not joined
 }
 
+/// Who has heard that one failed, and asks again, is not told the same of the same one.
+TEST(Jobs, what_has_ended_is_not_joined_from_the_first_moment_on) {
+  Jobs jobs({1, 8});
+  const JobWork fails = [](JobControl&) -> JobResult {
+    throw ProblemError(make_problem(503, "not now"));
+  };
+  for (int i = 0; i < 2000; ++i) {
+    const auto first = jobs.start("key", fails);
+    while (!first->report().ended()) {
+    }
+    ASSERT_NE(jobs.start("key", fails), first) << i;
+  }
+}
+
 TEST(Jobs, a_full_queue_takes_no_more) {
   Gate gate;
   Jobs jobs({1, 2});
