@@ -86,13 +86,18 @@ void read_header(std::string_view line, RequestHead& head, std::size_t count) {
 }
 
 void check_single_headers(const RequestHead& head) {
-  constexpr std::array kOnce = {"host",         "content-length",   "transfer-encoding",
-                                "content-type", "content-encoding", "authorization",
-                                "expect",       "x-request-id",     "origin"};
+  constexpr std::array kOnce = {
+      "host",          "content-length", "transfer-encoding", "content-type", "content-encoding",
+      "authorization", "expect",         "x-request-id",      "origin",       "range"};
   for (const char* name : kOnce)
     if (std::count_if(head.headers.begin(), head.headers.end(),
                       [&](const auto& header) { return header.first == name; }) > 1)
       refuse_head(400, "a header that may come once comes twice");
+}
+
+void check_ranges(std::string_view ranges) {
+  if (static_cast<std::size_t>(std::count(ranges.begin(), ranges.end(), ',')) >= kMaxRanges)
+    refuse_head(416, "the answer comes whole, not in so many parts");
 }
 
 void read_length(std::string_view text, RequestHead& head) {
@@ -156,6 +161,7 @@ RequestHead parse_request_head(std::string_view bytes) {
   }
   if (!rest.empty()) refuse_head(400, "the head goes on after its end");
   check_single_headers(head);
+  check_ranges(head.header("range"));
   read_framing(head, is_1_0);
   read_connection(head);
   return head;

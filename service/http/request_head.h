@@ -13,6 +13,7 @@ namespace caustic::service {
 constexpr std::size_t kMaxHeadBytes = 16384;
 constexpr std::size_t kMaxTargetBytes = 4096;
 constexpr std::size_t kMaxHeaders = 100;
+constexpr std::size_t kMaxRanges = 16;
 
 struct RequestHead {
   std::string method, target;
@@ -33,6 +34,8 @@ struct RequestHead {
 /// - the body has one length: one Content-Length of digits, or `Transfer-Encoding: chunked`, not
 ///   both; GET, HEAD, DELETE, OPTIONS and TRACE have no body
 /// - what may come once comes once: Host, Content-Type, Authorization, …
+/// - `Range` lists at most kMaxRanges parts (416; RFC 9110, 15.5.17). None are served: who asks for
+///   fewer gets the whole
 /// - bodies are not coded (415), and nothing else is expected than 100-continue (417)
 RequestHead parse_request_head(std::string_view bytes);
 
