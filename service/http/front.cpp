@@ -75,7 +75,8 @@ class Front::Answering : public Exchange {
     if (front_.is_friend(origin_)) {
       headers.emplace_back("Access-Control-Allow-Origin", origin_);
       headers.emplace_back("Access-Control-Expose-Headers",
-                           "ETag, Location, Preference-Applied, Retry-After, X-Request-Id");
+                           "ETag, Location, Preference-Applied, Retry-After, Server-Timing, "
+                           "X-Request-Id");
     }
     note(response);
     exchange_->answer(std::move(response));
@@ -134,13 +135,15 @@ bool Front::may_ask(const HttpRequest& request) const {
   return CRYPTO_memcmp(digest.data(), token_digest_.data(), digest.size()) == 0;
 }
 
-bool Front::is_preflight(const HttpRequest& request) const {
-  return request.method == "OPTIONS" && !options_.origins.empty() && !request.refusal &&
-         !Routes::methods_of(request.target).empty();
+/// Browsers ask so before they let a page of another origin ask, and show no token yet.
+bool Front::asks_for_methods(const HttpRequest& request) const {
+  return request.method == "OPTIONS" && !request.refusal &&
+         !Routes::methods_of(request.target).empty() &&
+         (!options_.origins.empty() || may_ask(request));
 }
 
-HttpResponse Front::preflight(const HttpRequest& request) const {
-  const std::string methods = "OPTIONS, " + Routes::methods_of(request.target);
+HttpResponse Front::methods(const HttpRequest& request) const {
+  const std::string methods = Routes::methods_of(request.target);
   HttpResponse response{204, "", "", {{"Allow", methods}}};
   if (is_friend(request.header("origin"))) {
     response.headers.emplace_back("Access-Control-Allow-Methods", methods);
@@ -155,7 +158,7 @@ HttpResponse Front::preflight(const HttpRequest& request) const {
 void Front::operator()(HttpRequest request, std::shared_ptr<Exchange> exchange) const {
   request.id = request_id(request.header("x-request-id"));
   const auto answering = std::make_shared<Answering>(*this, request, std::move(exchange));
-  if (is_preflight(request)) return answering->answer(preflight(request));
+  if (asks_for_methods(request)) return answering->answer(methods(request));
   if (may_ask(request)) return routes_(std::move(request), answering);
   HttpResponse response =
       problem_response(make_problem(401, "a token is needed: Authorization: Bearer ..."));

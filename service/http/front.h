@@ -27,8 +27,8 @@ class Front {
   class Answering;
 
   bool may_ask(const HttpRequest& request) const;
-  bool is_preflight(const HttpRequest& request) const;
-  HttpResponse preflight(const HttpRequest& request) const;
+  bool asks_for_methods(const HttpRequest& request) const;
+  HttpResponse methods(const HttpRequest& request) const;
   bool is_friend(std::string_view origin) const;
 
   HttpHandler routes_;

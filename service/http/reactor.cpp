@@ -96,7 +96,8 @@ Reactor::~Reactor() {
   threads_->stopped.notify_one();
   core_->draining = true;
   const std::uint64_t one = 1;
-  if (::write(core_->wake.get(), &one, sizeof one) != sizeof one) std::abort();  // it cannot be full
+  if (::write(core_->wake.get(), &one, sizeof one) != sizeof one)
+    std::abort();  // it cannot be full
   for (std::thread& worker : threads_->workers) worker.join();
   threads_->ticker.join();
   for (const auto& connection : core_->all()) connection->close_now();

@@ -65,16 +65,25 @@ bool prefers_async(const HttpRequest& request) {
   return request.header("prefer").find("respond-async") != std::string_view::npos;
 }
 
+/// As the browser's own tools show it, ms.
+HttpResponse with_waiting_time(const JobReport& report, HttpResponse response) {
+  if (!report.waited) return response;
+  char text[40];
+  std::snprintf(text, sizeof text, "queue;dur=%.3f", 1e3 * *report.waited);
+  response.headers.emplace_back("Server-Timing", text);
+  return response;
+}
+
 /// The answer to whoever waits for this job. Who leaves waits no longer.
 void answer_when_done(Jobs& jobs, const std::shared_ptr<Job>& job,
                       const std::shared_ptr<Exchange>& exchange) {
   const void* who = exchange.get();
   exchange->on_leave([&jobs, job, who] { jobs.leave(job, who); });
-  job->wait(who, [exchange](const JobOutcome& outcome) {
-    if (const auto* result = std::get_if<JobResult>(&outcome))
-      exchange->answer(json_response(result->answer));
-    else
-      exchange->answer(problem_response(std::get<Problem>(outcome)));
+  job->wait(who, [exchange, &own = *job](const JobOutcome& outcome) {
+    const auto* result = std::get_if<JobResult>(&outcome);
+    exchange->answer(
+        with_waiting_time(own.report(), result ? json_response(result->answer)
+                                               : problem_response(std::get<Problem>(outcome))));
   });
 }
 
@@ -126,7 +135,7 @@ std::string Routes::methods_of(std::string_view target) {
     if (!out.empty()) out += ", ";
     out += row.method == std::string_view("GET") ? "GET, HEAD" : row.method;
   }
-  return out;
+  return out.empty() ? out : out + ", OPTIONS";
 }
 
 std::string_view Routes::pattern_of(std::string_view target) {
@@ -228,7 +237,7 @@ void Routes::post_analysis(const Call& call) { compute(call, answer_analysis); }
 void Routes::get_job(const Call& call) {
   const auto report = jobs_.find(call.name);
   if (!report) refuse(404, "no such job");
-  call.exchange->answer(json_response(to_json(*report)));
+  call.exchange->answer(with_waiting_time(*report, json_response(to_json(*report))));
 }
 
 void Routes::delete_job(const Call& call) {

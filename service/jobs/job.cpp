@@ -46,8 +46,12 @@ void JobControl::throw_if_cancelled() const {
   if (cancelled_) throw ProblemError(interrupted_problem());
 }
 
+double Job::age() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - created_).count();
+}
+
 JobReport Job::report_locked() const {
-  JobReport out{id_, state_, progress(), {}, {}};
+  JobReport out{id_, state_, progress(), {}, {}, waited_ ? *waited_ : age()};
   if (!outcome_) return out;
   if (const auto* result = std::get_if<JobResult>(&*outcome_)) {
     out.result_id = result->result_id;
@@ -97,6 +101,7 @@ void Job::run(const std::function<void(const JobReport&)>& ended) {
     const std::lock_guard lock(mutex_);
     if (outcome_) return;
     state_ = JobState::running;
+    waited_ = age();
     work.swap(work_);
   }
   JobOutcome outcome = cancelled_ ? JobOutcome(dismissed_problem()) : outcome_of(work, *this);
@@ -119,6 +124,7 @@ void Job::end(JobState state, JobOutcome outcome,
     const std::lock_guard lock(mutex_);
     if (outcome_) return;
     state_ = state;
+    if (!waited_) waited_ = age();
     outcome_ = std::move(outcome);
     waiters.swap(waiters_);
     work_ = {};

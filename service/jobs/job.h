@@ -49,7 +49,8 @@ class Job : public JobControl {
  public:
   using Waiter = std::function<void(const JobOutcome&)>;
 
-  Job(std::string id, JobWork work) : id_(std::move(id)), work_(std::move(work)) {}
+  Job(std::string id, JobWork work)
+      : id_(std::move(id)), created_(std::chrono::steady_clock::now()), work_(std::move(work)) {}
 
   const std::string& id() const { return id_; }
   JobReport report() const;
@@ -78,9 +79,12 @@ class Job : public JobControl {
   void end(JobState state, JobOutcome outcome, const std::function<void(const JobReport&)>& ended);
   void cancel(bool dismissed, const std::function<void(const JobReport&)>& ended);
   JobReport report_locked() const;
+  double age() const;
 
   const std::string id_;
+  const std::chrono::steady_clock::time_point created_;
   mutable std::mutex mutex_;
+  std::optional<double> waited_;  ///< once it waits no longer, s
   JobWork work_;
   JobState state_ = JobState::accepted;
   bool kept_ = false, dismissed_ = false;

@@ -18,6 +18,8 @@ struct JobReport {
   double progress = 0.0;  ///< 0…1
   std::string result_id;  ///< of a successful one; else empty
   std::optional<Problem> problem;
+  /// Time in the queue, s, as the server that runs it knows it; not part of the JSON.
+  std::optional<double> waited;
 
   bool ended() const { return state >= JobState::successful; }
 };

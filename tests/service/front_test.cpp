@@ -71,14 +71,31 @@ TEST_F(FrontTest, only_pages_of_the_list_may_ask) {
         "");
   const HttpResponse preflight = ask("OPTIONS", "/v1/contours", {{"origin", "https://a.example"}});
   EXPECT_EQ(preflight.status, 204);
-  EXPECT_EQ(header(preflight, "Allow"), "OPTIONS, POST");
-  EXPECT_EQ(header(preflight, "Access-Control-Allow-Methods"), "OPTIONS, POST");
+  EXPECT_EQ(header(preflight, "Allow"), "POST, OPTIONS");
+  EXPECT_EQ(header(preflight, "Access-Control-Allow-Methods"), "POST, OPTIONS");
   EXPECT_NE(header(preflight, "Access-Control-Allow-Headers").find("Content-Type"),
             std::string::npos);
   EXPECT_EQ(header(ask("OPTIONS", "/v1/contours", {{"origin", "https://b.example"}}),
                    "Access-Control-Allow-Methods"),
             "");
   EXPECT_EQ(ask("OPTIONS", "/nothing", {{"origin", "https://a.example"}}).body, "reached");
+}
+
+TEST_F(FrontTest, says_which_methods_a_path_takes) {
+  for (const auto& [method, pattern] : Routes::all()) {
+    std::string path = pattern;
+    if (const auto hole = path.find("{}"); hole != path.npos) path.replace(hole, 2, "x");
+    const HttpResponse response = ask("OPTIONS", path);
+    EXPECT_EQ(response.status, 204) << path;
+    EXPECT_NE(header(response, "Allow").find(method), std::string::npos) << path;
+    EXPECT_EQ(header(response, "Access-Control-Allow-Methods"), "");
+  }
+  EXPECT_EQ(header(ask("OPTIONS", "/v1/jobs/x"), "Allow"), "GET, HEAD, DELETE, OPTIONS");
+  EXPECT_EQ(ask("OPTIONS", "/nothing").body, "reached");
+  options.token = "secret";
+  EXPECT_EQ(ask("OPTIONS", "/v1/contours").status, 401);
+  options.origins = {"https://a.example"};
+  EXPECT_EQ(ask("OPTIONS", "/v1/contours", {{"origin", "https://a.example"}}).status, 204);
 }
 
 TEST_F(FrontTest, counts_answers_by_route_not_by_path) {

@@ -102,6 +102,38 @@ TEST_F(RoutesTest, the_same_request_at_the_same_time_is_traced_once) {
   EXPECT_EQ(json::parse(bodies[1])["curves"].size(), 2u) << bodies[1];
 }
 
+/// With one thread, which is busy, the second waits for as long as the first runs.
+TEST_F(RoutesTest, says_how_long_a_computation_waited) {
+  Jobs one_thread{{1, 4}};
+  Routes narrow{contours, store, one_thread};
+  std::promise<void> released;
+  const auto release = released.get_future().share();
+  std::atomic<int> entered = 0;
+  engine = [&](const auto& system, const auto& request) {
+    if (++entered == 1) release.wait();
+    return test::draw_circles(system, request);
+  };
+  json other = ball_request();
+  other["levels"] = json::parse("[0.0004]");
+  const auto waited = [&](const json& request) {
+    const HttpResponse response =
+        test::ask(narrow, {"POST", "/v1/contours", "application/json", request.dump(), false});
+    const std::string timing = header(response, "Server-Timing");
+    EXPECT_TRUE(timing.starts_with("queue;dur=")) << timing;
+    return std::stod(timing.substr(10));
+  };
+  auto first = std::async(std::launch::async, [&] { return waited(ball_request()); });
+  while (entered == 0) std::this_thread::yield();
+  auto second = std::async(std::launch::async, [&] { return waited(other); });
+  while (one_thread.waiting() == 0) std::this_thread::yield();
+  constexpr double kPause = 20.0;  // ms
+  std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(kPause));
+  released.set_value();
+  EXPECT_GE(first.get(), 0.0);
+  EXPECT_GE(second.get(), kPause);
+  EXPECT_EQ(header(post(ball_request()), "Server-Timing"), "");  // it is stored: nothing waited
+}
+
 TEST_F(RoutesTest, what_fails_fails_for_all_who_asked_and_can_be_asked_again) {
   std::promise<void> released;
   const auto release = released.get_future().share();
@@ -261,7 +293,7 @@ TEST_F(RoutesTest, refuses_what_is_not_served) {
     EXPECT_EQ(response.status, status) << method << " " << target;
     EXPECT_EQ(json::parse(response.body)["status"], status);
   }
-  EXPECT_EQ(ask("GET", "/v1/contours").headers, (HttpHeaders{{"Allow", "POST"}}));
+  EXPECT_EQ(ask("GET", "/v1/contours").headers, (HttpHeaders{{"Allow", "POST, OPTIONS"}}));
 }
 
 TEST_F(RoutesTest, a_file_name_is_an_id_and_one_known_suffix) {
