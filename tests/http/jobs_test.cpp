@@ -170,6 +170,27 @@ TEST_F(JobsOverHttp, that_were_interrupted_say_so_after_a_restart) {
   }
 }
 
+/// Its state and its end, but not how far it is, are known to all servers of the folder.
+TEST_F(JobsOverHttp, are_followed_from_another_server) {
+  const ServerProcess one(folder.path() / "shared"), two(folder.path() / "shared");
+  json request = long_request();
+  request["limits"]["time_ms"] = 500;
+  HttpConnection posts(one.port());
+  posts.send(post_bytes(request, kAsync));
+  const std::string location = posts.receive().headers.at("location");
+  const HttpReply seen = http_get(two.port(), location);
+  EXPECT_EQ(seen.status, 200);
+  EXPECT_EQ(json::parse(seen.body)["result"], nullptr);
+  HttpConnection events(two.port());
+  events.send("GET " + location + "/events HTTP/1.1\r\n\r\n");
+  EXPECT_EQ(events.receive().status, 200);
+  EXPECT_NE(events.receive_rest().find("event: end\ndata: "), std::string::npos);
+  const json report = json::parse(http_get(two.port(), location).body);
+  EXPECT_EQ(report["status"], "successful");
+  EXPECT_EQ(http_get(two.port(), report["result"]).status, 200);
+  EXPECT_EQ(http_get(two.port(), location, "DELETE").status, 200);  // nothing is left to cancel
+}
+
 TEST_F(JobsOverHttp, what_runs_is_finished_before_the_end) {
   ServerProcess other(folder.path() / "other", {"--grace", "30000"});
   json request = long_request();
