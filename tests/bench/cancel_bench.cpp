@@ -58,7 +58,7 @@ std::shared_ptr<service::Job> start(service::Jobs& jobs, const service::ContourS
 }
 
 /// Much to do: all of it at its finest.
-std::string request(const char* example, bool certify) {
+std::string finest_request(const char* example, bool certify) {
   json body = json::parse(service::find_example(example)->body);
   body["certify"] = certify;
   body["tolerance"]["chord"] = 1e-6 * body["scene"]["receiver"]["size"][0].get<double>();
@@ -73,10 +73,10 @@ void cancel(benchmark::State& state, const char* example, bool certify) {
   double longest = 0.0, work = 0.0, ended_before = 0.0;
   for (auto _ : state) {
     service::Jobs jobs({2, 8});
-    const auto busy = start(jobs, contours, request("torus", true));
+    const auto busy = start(jobs, contours, finest_request("torus", true));
     for (const double moment : kMoments) {
       Worker worker;
-      const auto job = start(jobs, contours, request(example, certify), &worker);
+      const auto job = start(jobs, contours, finest_request(example, certify), &worker);
       jobs.keep(job);
       const auto done = std::make_shared<std::promise<void>>();
       job->wait(&worker, [done](const auto&) { done->set_value(); });

@@ -78,17 +78,17 @@ class Counting : public geometry::Surface {
 // this many take less than 0.1 s.
 constexpr long kMostAfter = 20'000;
 
-struct Scene {
+struct CancelledScene {
   const char* name;
   SurfacePtr shape;
   Light light;
   geometry::ReceiverFrame receiver;
 };
 
-class Cancelled : public testing::TestWithParam<Scene> {};
+class Cancelled : public testing::TestWithParam<CancelledScene> {};
 
 TEST_P(Cancelled, EndsSoon) {
-  const Scene& scene = GetParam();
+  const CancelledScene& scene = GetParam();
   const auto mirror = std::make_shared<const Counting>(scene.shape);
   const OpticalSystem system = test::one_mirror(scene.light, mirror, scene.receiver);
   test::Random random(5);
@@ -115,10 +115,11 @@ TEST_P(Cancelled, EndsSoon) {
 
 INSTANTIATE_TEST_SUITE_P(
     Scenes, Cancelled,
-    testing::Values(Scene{"Torus", geometry::make_torus({0, 0, 0}, {0, 0, 1}, 1.0, 0.4),
-                          PointLight{{0.3, 0.2, 4.0}, 1.0}, test::floor_at({0, 0, -2}, 12, 12)},
-                    Scene{"Dish", geometry::make_conic({0, 0, 0}, {0, 0, 1}, 2.0, -1.0, {}),
-                          PointLight{{0.3, 0.2, 1.5}, 1.0}, test::floor_at({0, 0, 3}, 2, 2)}),
+    testing::Values(
+        CancelledScene{"Torus", geometry::make_torus({0, 0, 0}, {0, 0, 1}, 1.0, 0.4),
+                       PointLight{{0.3, 0.2, 4.0}, 1.0}, test::floor_at({0, 0, -2}, 12, 12)},
+        CancelledScene{"Dish", geometry::make_conic({0, 0, 0}, {0, 0, 1}, 2.0, -1.0, {}),
+                       PointLight{{0.3, 0.2, 1.5}, 1.0}, test::floor_at({0, 0, 3}, 2, 2)}),
     [](const auto& scene) { return scene.param.name; });
 
 }  // namespace
