@@ -125,7 +125,7 @@ struct Operator {
   bool defined = false;
 };
 Operator krawczyk(const EnclosedField& f, const GraphCell& cell, const ReceiverCell& part) {
-  const auto& [q, r] = f.q;
+  const Slopes &q = f.q[0], &r = f.q[1];  // clang 14 captures no structured bindings
   const double a = q.s.middle(), b = q.t.middle(), c = r.s.middle(), d = r.t.middle();
   const double det = a * d - b * c;
   if (!f.regular || !f.centred || !std::isfinite(1.0 / det)) return {};
