@@ -84,9 +84,8 @@ std::optional<NearCaustic> near_caustic(MirrorCells& mirror, const Cluster& clus
       all.least = std::min(all.least, cell.steep[c].least);
     }
   }
-  if (!(near.least > 0.0)) return std::nullopt;
-  near.clear = std::all_of(cluster.cells.begin(), cluster.cells.end(),
-                           [&](int i) { return mirror.clear(i); });
+  if (!(near.least > 0.0) && !near.grows()) return std::nullopt;
+  near.clear = mirror.passage(cluster.cells) == Passage::clear;
   return near;
 }
 
@@ -320,6 +319,7 @@ std::optional<EnclosedSheets> sheets_over(const ReceiverCell& part, MirrorCells&
       EnclosedSheet sheet;
       const Outcome outcome = find_sheet(part, mirror, cluster, evaluate, sheet);
       if (outcome == Outcome::open) {
+        if (last && mirror.passage(cluster.cells) == Passage::hidden) continue;
         auto near = near_caustic(mirror, cluster);
         if (last && !near) return std::nullopt;
         if (near && (last || near->told())) {
@@ -328,8 +328,9 @@ std::optional<EnclosedSheets> sheets_over(const ReceiverCell& part, MirrorCells&
         }
         left.insert(left.end(), cluster.cells.begin(), cluster.cells.end());
       } else if (outcome == Outcome::found) {
-        sheet.clear = std::all_of(cluster.cells.begin(), cluster.cells.end(),
-                                  [&](int i) { return mirror.clear(i); });
+        const Passage passage = mirror.passage(cluster.cells);
+        if (passage == Passage::hidden) continue;
+        sheet.clear = passage == Passage::clear;
         if (!add(std::move(sheet), out.sheets)) return std::nullopt;
       }
     }

@@ -31,10 +31,10 @@ struct NearCaustic {
   double least;  ///< irradiance, W/m²
   std::array<MirrorCell::Steep, 2> steep;
 
+  /// Along an axis it grows, or falls, on all sheets.
+  bool grows() const { return steep[0].sign != 0 || steep[1].sign != 0; }
   /// Smaller cells would hardly tell more.
-  bool told() const {
-    return folds && inside && clear && (steep[0].sign != 0 || steep[1].sign != 0);
-  }
+  bool told() const { return folds && inside && clear && grows(); }
 };
 
 struct EnclosedSheets {

@@ -11,6 +11,8 @@ constexpr double kOnBox = 1e3;
 // What is not enclosed is divided to this share of the scene, whatever it is asked for: it could
 // reach all of the receiver.
 constexpr double kLeastIrregular = 1e-3;
+// A cell may be too large to show what becomes of its light, but its parts not.
+constexpr int kPassageHalvings = 4;
 
 }  // namespace
 
@@ -77,7 +79,7 @@ void MirrorCells::add(int chart, const GraphCell& cell, std::vector<int>& to) {
   const auto& bounds = field_.bounds;
   if (std::any_of(bounds.begin(), bounds.end(), [](const Slopes& h) { return h.v.lo > 0.0; }))
     return;
-  next.regular = field_.regular && next.cell.whole;
+  next.regular = field_.regular;
   next.along_s = cell.s.width() >= cell.t.width();
   if (field_.regular) {
     const auto& [q, r] = field_.q;
@@ -93,17 +95,31 @@ void MirrorCells::add(int chart, const GraphCell& cell, std::vector<int>& to) {
     next.inside = std::all_of(bounds.begin(), bounds.begin() + map_.domain_bounds(),
                               [](const Slopes& h) { return h.v.hi <= 0.0; });
     next.sign = sign_of(field_.a.v);
-    if (field_.flux.v.lo > 0.0) {
+    if (field_.flux.v.lo > 0.0)
       next.least = (Interval(field_.flux.v.lo) / Interval(field_.a.v.magnitude())).lo;
-      next.steep = steepness(field_.upward);
-    }
+    next.steep = steepness(field_.upward);
   }
   to.push_back(static_cast<int>(cells_.size()));
   cells_.push_back(std::move(next));
 }
 
-bool MirrorCells::shown_clear(int i, int halvings) {
-  if (!cells_[i].clear) {
+Passage MirrorCells::passage(const std::vector<int>& cells) {
+  return may_be_hidden_ ? passage(cells, kPassageHalvings) : Passage::clear;
+}
+
+// The same of all, or unknown.
+Passage MirrorCells::passage(const std::vector<int>& cells, int halvings) {
+  std::optional<Passage> all;
+  for (const int i : cells) {
+    const Passage own = passage(i, halvings);
+    if (own == Passage::unknown || own != all.value_or(own)) return Passage::unknown;
+    all = own;
+  }
+  return all.value_or(Passage::hidden);
+}
+
+Passage MirrorCells::passage(int i, int halvings) {
+  if (!cells_[i].passage) {
     const MirrorCell& cell = cells_[i];
     const auto& receiver = map_.map().receiver();
     geometry::IntervalVec3 image;
@@ -112,14 +128,13 @@ bool MirrorCells::shown_clear(int i, int halvings) {
                                            receiver.u[k] * cell.image.u +
                                            receiver.v[k] * cell.image.v;
     }
-    cells_[i].clear = cell.regular && way_.shown(box(i), image, cell.leaving);
+    cells_[i].passage = cell.regular ? way_.passage(box(i), image, cell.leaving) : Passage::unknown;
   }
-  if (*cells_[i].clear || halvings == 0) return *cells_[i].clear;
+  if (*cells_[i].passage != Passage::unknown || halvings == 0) return *cells_[i].passage;
   if (!cells_[i].divided) divide(i);
   const std::vector<int> parts = cells_[i].parts;
-  const bool all = std::all_of(parts.begin(), parts.end(),
-                               [&](int part) { return shown_clear(part, halvings - 1); });
-  cells_[i].clear = all;
+  const Passage all = passage(parts, halvings - 1);
+  cells_[i].passage = all;
   return all;
 }
 
@@ -134,8 +149,8 @@ void MirrorCells::divide(int i) {
   std::vector<int> parts;
   add(chart, low, parts);
   add(chart, high, parts);
-  if (cells_[i].clear == true) {
-    for (const int part : parts) cells_[part].clear = true;
+  if (cells_[i].passage.value_or(Passage::unknown) != Passage::unknown) {
+    for (const int part : parts) cells_[part].passage = cells_[i].passage;
   }
   cells_[i].parts = std::move(parts);
   cells_[i].divided = true;
@@ -148,7 +163,8 @@ std::vector<int> MirrorCells::reaching(const ReceiverCell& part, const std::vect
     const int i = left.back();
     left.pop_back();
     const MirrorCell& cell = cells_[i];
-    if (intersection(cell.image.u, part.u).empty() || intersection(cell.image.v, part.v).empty())
+    if (intersection(cell.image.u, part.u).empty() || intersection(cell.image.v, part.v).empty() ||
+        cell.passage == Passage::hidden)
       continue;
     const bool small = cell.regular ? cell.image.size() <= size
                                     : std::max(cell.cell.s.width(), cell.cell.t.width()) <= least_;

@@ -34,8 +34,8 @@ struct MirrorCell {
     double least = 0.0;
   };
   std::array<Steep, 2> steep;
-  bool along_s = true;        ///< the side to be divided, that whose image is longer
-  std::optional<bool> clear;  ///< nothing hides its light: shown, not shown, not asked
+  bool along_s = true;             ///< the side to be divided, that whose image is longer
+  std::optional<Passage> passage;  ///< of its light, once asked for
   bool divided = false;
   std::vector<int> parts;  ///< once divided: those that may be lit
 };
@@ -53,8 +53,8 @@ class MirrorCells {
   geometry::IntervalVec3 box(int i) const;
   /// True if x, but for rounding, is in one of these cells.
   bool holds(const std::vector<int>& cells, const Point& x) const;
-  /// True if it is shown that nothing hides the light of the cell.
-  bool clear(int i) { return !may_be_hidden_ || shown_clear(i, kClearHalvings); }
+  /// Of the light of cells.
+  Passage passage(const std::vector<int>& cells);
 
   /// Cells that hold all that may reach all of the receiver.
   std::vector<int> all() const { return roots_; }
@@ -66,9 +66,8 @@ class MirrorCells {
 
  private:
   void add(int chart, const GraphCell& cell, std::vector<int>& to);
-  // A cell may be too large to show it, but its parts not.
-  static constexpr int kClearHalvings = 4;
-  bool shown_clear(int i, int halvings);
+  Passage passage(const std::vector<int>& cells, int halvings);
+  Passage passage(int i, int halvings);
   void divide(int i);
   std::array<MirrorCell::Steep, 2> steepness(int upward) const;
 
