@@ -1,18 +1,15 @@
 // The program on a free port and a browser that reports whatever the page does wrong.
 import { spawn } from "node:child_process";
 import { mkdtempSync, rmSync } from "node:fs";
-import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before } from "node:test";
-
-const require = createRequire(new URL("../../web/package.json", import.meta.url));
-const { chromium } = require("playwright-core");
+import { chromium } from "playwright-core";
 
 const folder = mkdtempSync(join(tmpdir(), "isocaustic-browser-"));
 
 /** Starts the program; its address, once it listens. */
-function serve(options) {
+export function serve(options = []) {
   const program = spawn(process.env.ISOCAUSTIC_PROGRAM, ["serve", "--port", "0", "--data", folder, "--log", "off", ...options]);
   return new Promise((resolve, reject) => {
     let said = "";
@@ -34,7 +31,8 @@ export function useBrowser(options = []) {
   before(async () => {
     ({ program, base: world.base } = await serve(options));
     const root = process.getuid() === 0; // where Chromium has no sandbox
-    browser = await chromium.launch({ executablePath: process.env.CHROMIUM, args: root ? ["--no-sandbox"] : [] });
+    const args = ["--enable-unsafe-swiftshader", ...(root ? ["--no-sandbox"] : [])]; // draws WebGL without a GPU
+    browser = await chromium.launch({ executablePath: process.env.CHROMIUM, args });
   });
   after(async () => {
     await browser?.close();

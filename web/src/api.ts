@@ -92,9 +92,9 @@ export const cancelJob = (id: string) => ask(`/v1/jobs/${id}`, { method: "DELETE
 
 export const getJob = (id: string, signal: AbortSignal) => json<JobReport>(`/v1/jobs/${id}`, { signal });
 
-export async function read(request: ContourRequest, uv: Vec2, signal: AbortSignal): Promise<Reading> {
-  const body: { [key: string]: Json } = { scene: request["scene"] ?? null, points: [uv] };
+/** What a light meter reads at these points. */
+export async function read(request: ContourRequest, points: Vec2[]): Promise<Reading[]> {
+  const body: { [key: string]: Json } = { scene: request["scene"] ?? null, points };
   for (const key of ["families", "direct"]) if (key in request) body[key] = request[key]!;
-  const { points } = await json<{ points: Reading[] }>("/v1/irradiance", { body, signal });
-  return points[0]!;
+  return (await json<{ points: Reading[] }>("/v1/irradiance", { body })).points;
 }

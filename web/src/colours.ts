@@ -10,7 +10,7 @@ export function cividis(t: number): string {
   const i = Math.min(ANCHORS.length - 2, Math.floor(at));
   const [a, b] = [ANCHORS[i]!, ANCHORS[i + 1]!];
   const mixed = a.map((x, c) => Math.round(x + (at - i) * (b[c]! - x)));
-  return `rgb(${mixed.join(" ")})`;
+  return `rgb(${mixed.join(", ")})`;
 }
 
 /** The place of a level among the others, 0 to 1, by its logarithm. */

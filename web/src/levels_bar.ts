@@ -2,13 +2,14 @@
 // the arrow keys, added by a double click, removed by Delete.
 import { cividis, placeOf } from "./colours";
 import { s, set } from "./dom";
-import { format, significant } from "./numbers";
+import { digitsFor, format, significant } from "./numbers";
 import { irradianceUnit } from "./scene";
 import type { Store, Traced } from "./state";
 
 const HEIGHT = 260;
 const ENDS = 14; // pixels beyond the last levels
-const BEYOND = 1.5; // how far beyond the scale reaches, as a factor
+const BEYOND = 0.1; // how far beyond the levels the scale reaches, as a share of their logarithms' range
+const ALONE = 2; // as a factor, for a single one
 const LABEL_HEIGHT = 14;
 const KEY_STEP = 1.05;
 const DIGITS = 4;
@@ -24,7 +25,6 @@ export class LevelsBar {
     private readonly store: Store,
     parent: HTMLElement,
     title: HTMLElement,
-    private readonly stress: (level: number | null) => void,
   ) {
     this.svg = s("svg", { class: "levels", width: "100%", height: HEIGHT, role: "group", "aria-label": "Levels" });
     parent.append(this.svg);
@@ -35,13 +35,21 @@ export class LevelsBar {
     this.svg.addEventListener("dblclick", (event) => this.add(this.levelAt(event)));
   }
 
+  private stress(level: number | null): void {
+    this.store.set({ stressed: level });
+  }
+
   private take(traced: Traced): void {
     const asked = traced.request["levels"];
     const found = traced.answer.curves.map((c) => c.level);
     const all = (Array.isArray(asked) ? asked : found).filter((l): l is number => typeof l === "number" && l > 0);
     this.levels = [...new Set(all)].sort((a, b) => a - b);
     if (!this.levels.length) this.range = [1e-3, 1];
-    else this.range = [this.levels[0]! / BEYOND, this.levels[this.levels.length - 1]! * BEYOND];
+    else {
+      const [first, last] = [this.levels[0]!, this.levels[this.levels.length - 1]!];
+      const beyond = last > first ? (last / first) ** BEYOND : ALONE;
+      this.range = [first / beyond, last * beyond];
+    }
     this.draw();
   }
 
@@ -95,7 +103,7 @@ export class LevelsBar {
       s("rect", { x: -2, y: -7, width: 140, height: 14, class: "grip" }),
       s("path", { d: "M0 0H24", class: "line" }),
       s("circle", { cx: 24, cy: 0, r: 4.5, fill: colour }),
-      labelled && s("text", { x: 36, y: 4 }, format(level)),
+      labelled && s("text", { x: 36, y: 4 }, format(level, digitsFor(this.levels, 3))),
     );
     row.addEventListener("pointerdown", (event) => this.drag(event, index));
     row.addEventListener("pointerenter", () => this.stress(level));
@@ -141,7 +149,7 @@ export class LevelsBar {
     if (row) {
       set(row, { transform: `translate(0 ${this.y(level)})`, "aria-valuenow": level });
       const text = row.querySelector("text");
-      if (text) text.textContent = format(level);
+      if (text) text.textContent = format(level, DIGITS);
     }
     this.store.edit({ ...this.store.now.request, levels: [...this.levels].sort((a, b) => a - b) }, dragging);
   }

@@ -9,6 +9,7 @@ import { Form } from "./form/form";
 import { addGallery } from "./gallery";
 import { addJsonPane } from "./json_pane";
 import { LevelsBar } from "./levels_bar";
+import { addSpace } from "./space_panel";
 import { asCurl, asPython, copy, fromAddress, keepInAddress } from "./share";
 import { Store } from "./state";
 import { addStatus } from "./status";
@@ -21,6 +22,7 @@ const FIRST = "torus";
 
 const store = new Store({
   request: {}, example: null, dragging: false, traced: null, faults: [], trouble: null, work: null,
+  stressed: null, reading: null, fan: null,
 });
 
 async function load(name: string): Promise<void> {
@@ -31,7 +33,7 @@ async function load(name: string): Promise<void> {
   }
 }
 
-const show = (request: ContourRequest, example: string | null) => store.set({ request, example, dragging: false });
+const show = (request: ContourRequest, example: string | null) => store.set({ request, example, dragging: false, fan: null });
 
 async function loadFromAddress(): Promise<void> {
   try {
@@ -71,7 +73,7 @@ addStatus(store, byId("status"), (fault) => {
   byId("tab-form").click();
   return form.focus(fault);
 });
-new LevelsBar(store, byId("levels"), byId("levels-title"), (level) => diagram.stress(level));
+new LevelsBar(store, byId("levels"), byId("levels-title"));
 addDownloads(store, byId("files"));
 addDetails(store, byId("details"));
 addCopying();
@@ -80,6 +82,8 @@ byId("zoom-out").addEventListener("click", () => diagram.zoom("-"));
 byId("zoom-all").addEventListener("click", () => diagram.zoom("0"));
 byId("fill").addEventListener("change", (event) =>
   byId("diagram").classList.toggle("filled", (event.target as HTMLInputElement).checked));
+
+addSpace(store, byId("space"), byId("space-button"), (uv) => diagram.pointAt(uv));
 
 void loadFromAddress().then(() => {
   keepInAddress(store, () => void loadFromAddress());

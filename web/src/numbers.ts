@@ -18,6 +18,14 @@ export function format(x: number, digits = 3): string {
   return minus(m === "1" ? tens : `${m}·${tens}`);
 }
 
+/** Of the digits from `least` on, as few as tell these numbers apart. */
+export function digitsFor(values: number[], least: number): number {
+  const apart = (digits: number) => new Set(values.map((x) => x.toPrecision(digits))).size === new Set(values).size;
+  let digits = least;
+  while (digits < 12 && !apart(digits)) ++digits;
+  return digits;
+}
+
 function trimmed(text: string): string {
   const plain = text.includes("e") ? String(Number(text)) : text;
   return plain.includes(".") ? plain.replace(/\.?0+$/, "") : plain;

@@ -1,5 +1,5 @@
 // All that the page knows. It is replaced, never changed; who draws looks at what is new.
-import type { ContourAnswer, ContourRequest, CurveCollection, Fault } from "./contract";
+import type { ContourAnswer, ContourRequest, CurveCollection, Fault, Reading } from "./contract";
 
 /** Curves and the request that they answer. */
 export interface Traced {
@@ -21,6 +21,12 @@ export interface State {
   /** Why there are no curves, where no field is at fault. */
   trouble: string | null;
   work: { progress: number; cancel: () => void } | null;
+  /** The level that stands out in all views. */
+  stressed: number | null;
+  /** What the meter reads. */
+  reading: Reading | null;
+  /** Readings along the curve that was picked. */
+  fan: Reading[] | null;
 }
 
 type Listener = (now: State, before: State) => void;
@@ -40,7 +46,7 @@ export class Store {
   }
 
   edit(request: ContourRequest, dragging = false): void {
-    this.set({ request, dragging, example: null });
+    this.set({ request, dragging, example: null, fan: null });
   }
 
   listen(listener: Listener): void {

@@ -10,6 +10,7 @@ import type { State, Store, Traced } from "./state";
 const TYPING_MS = 150; // the next key comes within it
 const COARSE_CHORD = 4e-4; // of the larger side of the receiver
 const COARSE_IRRADIANCE = 1e-6;
+const SLOW_MS = 50; // 20 answers a second are the least
 const PATIENCE_MS = 300; // when the service has too much to do
 
 export class Tracer {
@@ -43,11 +44,14 @@ export class Tracer {
     this.stop();
     this.coarseInFlight = true;
     let asked: ContourRequest | null = null;
+    let slow = false;
     while (this.store.now.dragging && asked !== this.store.now.request) {
       asked = this.store.now.request;
       const abort = (this.running = new AbortController());
       try {
-        const traced = await traceUnstored(coarsened(asked), abort.signal);
+        const begun = performance.now();
+        const traced = await traceUnstored(coarsened(asked, slow), abort.signal);
+        slow ||= performance.now() - begun > SLOW_MS;
         if (!abort.signal.aborted) this.show({ ...traced, request: asked, coarse: true });
       } catch (error) {
         if (abort.signal.aborted) break;
@@ -97,13 +101,17 @@ function troubleOf(error: unknown): Pick<State, "faults" | "trouble"> {
   return { faults: [], trouble: "The service cannot be reached." };
 }
 
-/** The same curves with fewer vertices and no files. */
-function coarsened(request: ContourRequest): ContourRequest {
+/**
+ * The same curves with fewer vertices. Where the total takes long, and was not asked for by name, its sheets: but
+ * where they overlap they are the same, and they can follow.
+ */
+function coarsened(request: ContourRequest, slow: boolean): ContourRequest {
   const given = get(request, "/tolerance");
   const own = isObject(given) ? given : {};
   const size = receiverOf(request)?.size;
   const tolerance: { [key: string]: Json } = { ...own };
   tolerance["irradiance"] = Math.max(Number(own["irradiance"] ?? 0), COARSE_IRRADIANCE);
   if (size) tolerance["chord"] = Math.max(Number(own["chord"] ?? 0), COARSE_CHORD * Math.max(...size));
-  return { ...request, tolerance, certify: false };
+  const sheets = slow && !("measure" in request) && !request["direct"] && !("include" in request);
+  return { ...request, tolerance, certify: false, ...(sheets && { measure: "sheet" }) };
 }

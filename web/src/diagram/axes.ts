@@ -32,6 +32,6 @@ export function drawAxes(group: SVGGElement, view: View, unit: string): void {
   const frame = s("rect", { x: left, y: top, width: w, height: h, class: "frame" });
   text(left + w / 2, bottom + 37, `u / ${unit}`, "middle", "axis");
   const v = s("text", { class: "axis", "text-anchor": "middle" }, `v / ${unit}`);
-  set(v, { transform: `translate(14 ${top + h / 2}) rotate(-90)` });
+  set(v, { transform: `translate(${left - 54} ${top + h / 2}) rotate(-90)` });
   group.replaceChildren(frame, ...parts, v);
 }

@@ -2,11 +2,12 @@
 import { cividis, placeOf } from "../colours";
 import type { Vec2 } from "../contract";
 import { s, set } from "../dom";
-import { format } from "../numbers";
+import { digitsFor, format } from "../numbers";
 import { LabelPlacer } from "./labels";
 import type { LevelPaths, Paths } from "./paths";
 import type { View } from "./view";
 
+const DIGITS = 2; // of a label, or as many as tell the levels apart
 const LETTER = 6.1; // pixels, on average
 
 export class CurveLayers {
@@ -39,12 +40,14 @@ export class CurveLayers {
   /** Brightest first: they are the shortest, and the ones that are asked for. */
   write(view: View, spots: Vec2[]): void {
     const placer = new LabelPlacer((at, margin) => view.inside(at, margin), spots);
-    const texts = [...(this.paths?.levels ?? [])].reverse().flatMap((l) => this.labelsOf(l, view, placer));
+    const levels = [...(this.paths?.levels ?? [])].reverse();
+    const digits = digitsFor(levels.map((l) => l.level), DIGITS);
+    const texts = levels.flatMap((l) => this.labelsOf(l, view, placer, digits));
     this.labels.replaceChildren(...texts);
   }
 
-  private labelsOf({ level, lines }: LevelPaths, view: View, placer: LabelPlacer): SVGTextElement[] {
-    const text = format(level, 2);
+  private labelsOf({ level, lines }: LevelPaths, view: View, placer: LabelPlacer, digits: number): SVGTextElement[] {
+    const text = format(level, digits);
     const seen = lines.flatMap((line) => visible(line.map((p) => view.toPixel(p)), view));
     return seen.flatMap((line) =>
       placer.place(line, LETTER * text.length).map(({ at, degrees }) =>

@@ -8,12 +8,13 @@ import { CurveLayers } from "./curves";
 import { addGestures, zoomByKey } from "./gestures";
 import { Handles } from "./handles";
 import { pathsOf } from "./paths";
+import { Picker } from "./picker";
 import { Probe } from "./probe";
 import { View } from "./view";
 
 export class Diagram {
   readonly view = new View();
-  readonly probe: Probe;
+  private readonly probe: Probe;
   private readonly svg = s("svg", { class: "diagram", tabindex: 0, role: "application" });
   private readonly clip = s("rect");
   private readonly ground = s("rect", { class: "ground" });
@@ -21,6 +22,7 @@ export class Diagram {
   private readonly axes = s("g", { class: "axes", "aria-hidden": "true" });
   private readonly layers = new CurveLayers();
   private readonly handles: Handles;
+  private readonly picker: Picker;
   private drawn: Traced | null = null;
   private updates = 0;
   private frame = 0;
@@ -33,6 +35,7 @@ export class Diagram {
   ) {
     this.handles = new Handles(store, this.view, (event) => this.pixelOf(event));
     this.probe = new Probe(store, this.view, reading);
+    this.picker = new Picker(store, this.view);
     this.svg.append(
       s("defs", {}, s("clipPath", { id: "plot" }, this.clip)),
       this.ground,
@@ -55,8 +58,10 @@ export class Diagram {
     });
   }
 
-  stress(level: number | null): void {
-    this.layers.stress(level);
+  /** From another view of the receiver. */
+  pointAt(uv: Vec2 | null): void {
+    this.probe.lookAt(uv);
+    this.picker.hover(uv);
   }
 
   zoom(key: "+" | "-" | "0"): void {
@@ -66,10 +71,12 @@ export class Diagram {
 
   private listen(): void {
     this.store.watch(["request", "traced"], () => this.draw());
+    this.store.watch(["stressed"], ({ stressed }) => this.layers.stress(stressed));
     this.svg.addEventListener("pointermove", (event) => {
-      if (!this.store.now.dragging) this.probe.moveTo(this.pixelOf(event));
+      if (!this.store.now.dragging) this.pointAt(this.view.toPlane(this.pixelOf(event)));
     });
-    this.svg.addEventListener("pointerleave", () => this.probe.moveTo(null));
+    this.svg.addEventListener("pointerleave", () => this.pointAt(null));
+    this.svg.addEventListener("click", () => void this.picker.pick());
     this.svg.addEventListener("keydown", (event) => {
       if (event.target !== this.svg || event.ctrlKey || event.metaKey) return;
       const ways: Record<string, Vec2> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };

@@ -17,8 +17,6 @@ export class Probe {
   private spot: Vec2 | null = null;
   private asking = false;
   private asked: unknown = null;
-  /** Who else wants to know, for one the view in three dimensions. */
-  onReading: (reading: Reading | null) => void = () => undefined;
 
   constructor(
     private readonly store: Store,
@@ -29,10 +27,10 @@ export class Probe {
     this.say(null);
   }
 
-  moveTo(pixel: Vec2 | null): void {
+  lookAt(uv: Vec2 | null): void {
     const receiver = receiverOf(this.store.now.request);
-    const uv = pixel && receiver ? this.view.toPlane(pixel) : null;
     const on = uv && receiver && Math.abs(uv[0]) <= receiver.size[0] / 2 && Math.abs(uv[1]) <= receiver.size[1] / 2;
+    if (!on && !this.spot) return;
     this.spot = on ? uv : null;
     this.place();
     if (this.spot) void this.ask();
@@ -44,10 +42,11 @@ export class Probe {
     const [x, y] = this.spot ? this.view.toPixel(this.spot) : this.view.middle;
     const { left, top, plotWidth, plotHeight } = this.view;
     const clamp = (a: number, from: number, span: number) => Math.min(from + span, Math.max(from, a));
-    this.moveTo([
+    const to: Vec2 = [
       clamp(x + dx * KEY_STEP * plotWidth, left, plotWidth),
       clamp(y + dy * KEY_STEP * plotHeight, top, plotHeight),
-    ]);
+    ];
+    this.lookAt(this.view.toPlane(to));
   }
 
   place(): void {
@@ -64,7 +63,7 @@ export class Probe {
     while (this.spot && this.spot !== this.asked) {
       this.asked = this.spot;
       try {
-        this.say(await read(this.store.now.request, this.spot, new AbortController().signal));
+        this.say((await read(this.store.now.request, [this.spot]))[0]!);
       } catch {
         this.say(null); // the request has faults, which are told elsewhere
       }
@@ -73,7 +72,7 @@ export class Probe {
   }
 
   private say(reading: Reading | null): void {
-    this.onReading(reading);
+    this.store.set({ reading });
     const receiver = receiverOf(this.store.now.request);
     set(this.arrow, { d: "" });
     if (!reading || !receiver || !this.spot) {

@@ -1,7 +1,7 @@
 // Which part of the receiver is seen, and where on the page.
 import type { Vec2 } from "../contract";
 
-const MARGIN = { left: 58, right: 14, top: 14, bottom: 44 };
+const MARGIN = { left: 68, right: 14, top: 14, bottom: 44 };
 const MOST_ZOOM = 400;
 const ROOM = 1.04; // around the receiver, when all of it is seen
 
@@ -13,23 +13,30 @@ export class View {
   /** 1 shows the whole receiver. */
   zoom = 1;
 
+  /** The frame has the receiver's proportions, in the middle of what there is. */
   get left() {
-    return MARGIN.left;
+    return MARGIN.left + (this.width - MARGIN.left - MARGIN.right - this.plotWidth) / 2;
   }
   get top() {
-    return MARGIN.top;
+    return MARGIN.top + (this.height - MARGIN.top - MARGIN.bottom - this.plotHeight) / 2;
   }
   get plotWidth() {
-    return Math.max(10, this.width - MARGIN.left - MARGIN.right);
+    return ROOM * this.size[0] * this.fitting;
   }
   get plotHeight() {
-    return Math.max(10, this.height - MARGIN.top - MARGIN.bottom);
+    return ROOM * this.size[1] * this.fitting;
   }
 
   /** Pixels for a unit of length. */
   get scale(): number {
-    const [w, h] = this.size;
-    return (this.zoom / ROOM) * Math.min(this.plotWidth / w, this.plotHeight / h);
+    return this.zoom * this.fitting;
+  }
+
+  /** The scale that shows the whole receiver. */
+  private get fitting(): number {
+    const across = (this.width - MARGIN.left - MARGIN.right) / this.size[0];
+    const up = (this.height - MARGIN.top - MARGIN.bottom) / this.size[1];
+    return Math.max(1e-6, Math.min(across, up)) / ROOM;
   }
 
   show(size: Vec2): void {
