@@ -19,17 +19,29 @@ void throw_if_cancelled(const std::atomic<bool>* cancelled) {
     throw ProblemError(make_problem(503, "the computation was cancelled"));
 }
 
+[[noreturn]] void throw_too_long(const char* fewer) {
+  throw ProblemError(
+      make_problem(503, std::string("more than a minute of work: ask for ") + fewer));
+}
+
+/// What the solver finds within the time that a call has; all of it, or a problem.
+template <typename Solve, typename System, typename Request>
+auto in_time(Solve solve, const System& system, Request& request,
+             const std::atomic<bool>* cancelled, const char* fewer) {
+  request.time_limit = std::chrono::duration<double>(kLongest).count();
+  request.cancelled = cancelled;
+  auto result = solve(system, request);
+  throw_if_cancelled(cancelled);
+  if (!result.complete) throw_too_long(fewer);
+  return result;
+}
+
 }  // namespace
 
 std::string answer_paths(std::string_view body, const std::atomic<bool>* cancelled) {
   PathCall call = read_path_call(body);
-  call.request.time_limit = std::chrono::duration<double>(kLongest).count();
-  call.request.cancelled = cancelled;
-  const solver::PathsResult result = solver::paths_between(call.system, call.request);
-  throw_if_cancelled(cancelled);
-  if (!result.complete)
-    throw ProblemError(make_problem(503, "more than a minute of work: ask for fewer families"));
-  return path_answer(call, result);
+  return path_answer(
+      call, in_time(solver::paths_between, call.system, call.request, cancelled, "fewer families"));
 }
 
 std::string answer_irradiance(std::string_view body, const std::atomic<bool>* cancelled) {
@@ -40,8 +52,7 @@ std::string answer_irradiance(std::string_view body, const std::atomic<bool>* ca
   readings.reserve(call.points.size());
   for (const geometry::Vec2& q : call.points) {
     throw_if_cancelled(cancelled);
-    if (std::chrono::steady_clock::now() > deadline)
-      throw ProblemError(make_problem(503, "more than a minute of work: ask for fewer points"));
+    if (std::chrono::steady_clock::now() > deadline) throw_too_long("fewer points");
     readings.push_back(meter.at(q));
   }
   return irradiance_answer(call, readings);
@@ -49,14 +60,9 @@ std::string answer_irradiance(std::string_view body, const std::atomic<bool>* ca
 
 std::string answer_analysis(std::string_view body, const std::atomic<bool>* cancelled) {
   AnalysisCall call = read_analysis_call(body);
-  call.request.time_limit = std::chrono::duration<double>(kLongest).count();
   call.request.vertex_limit = kMostVertices;
-  call.request.cancelled = cancelled;
-  const solver::Analysis analysis = solver::analyse(call.system, call.request);
-  throw_if_cancelled(cancelled);
-  if (!analysis.complete)
-    throw ProblemError(make_problem(503, "more than a minute of work: ask for fewer levels"));
-  return analysis_answer(call, analysis);
+  return analysis_answer(
+      call, in_time(solver::analyse, call.system, call.request, cancelled, "fewer levels"));
 }
 
 }  // namespace caustic::service

@@ -22,6 +22,9 @@ using std::chrono::milliseconds;
 
 /// Of the descriptors for files, pipes and what libraries open.
 constexpr rlim_t kOtherDescriptors = 64;
+/// For clients to read their last answers: after a second signal, and at least after a first.
+constexpr milliseconds kHurriedTime{100}, kLeastFarewell{500};
+constexpr milliseconds kLook{2};  // how often it is asked whether what runs has ended
 
 std::filesystem::path default_folder() {
   const char* cache = std::getenv("XDG_CACHE_HOME");
@@ -88,14 +91,15 @@ std::size_t raise_descriptors(std::size_t wanted) {
 
 /// Lets what runs go on for a while, then ends it, and sends what there is to say about it.
 void finish(Server& server, Jobs& jobs, const StopOnSignal& stop, milliseconds grace) {
-  server.drain(milliseconds(0));  // who is idle may go, who gets an answer is told that it is the last
+  server.reactor().drain(
+      milliseconds(0));  // who is idle may go, who gets an answer is told that it is the last
   const auto deadline = std::chrono::steady_clock::now() + grace;
   const auto busy = [&] { return jobs.running() + jobs.waiting() > 0; };
   while (busy() && !stop.hurried() && std::chrono::steady_clock::now() < deadline)
-    std::this_thread::sleep_for(milliseconds(2));
+    std::this_thread::sleep_for(kLook);
   jobs.interrupt();
-  while (jobs.running() > 0) std::this_thread::sleep_for(milliseconds(2));
-  server.drain(stop.hurried() ? milliseconds(100) : std::max(grace, milliseconds(500)));
+  while (jobs.running() > 0) std::this_thread::sleep_for(kLook);
+  server.reactor().drain(stop.hurried() ? kHurriedTime : std::max(grace, kLeastFarewell));
 }
 
 int listen(Server& server, Jobs& jobs, const ServeOptions& options) {

@@ -16,7 +16,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kMaxRequestId = 64;
+constexpr std::size_t kMaxRequestId = 64, kMostLoggedTarget = 200;
 constexpr const char* kRetrySeconds = "1";
 
 /// The client's own name of the request if it is a plain one, else a new one.
@@ -92,7 +92,7 @@ class Front::Answering : public Exchange {
                                       {"id", id_},
                                       {"peer", peer_},
                                       {"method", method_},
-                                      {"target", target_.substr(0, 200)},
+                                      {"target", target_.substr(0, kMostLoggedTarget)},
                                       {"status", response.status},
                                       {"bytes_in", bytes_in_},
                                       {"bytes_out", response.body.size()},

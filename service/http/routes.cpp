@@ -65,6 +65,20 @@ bool prefers_async(const HttpRequest& request) {
   return request.header("prefer").find("respond-async") != std::string_view::npos;
 }
 
+/// The one boundary of what goes wrong with a request.
+template <typename Action>
+void answer_whatever_happens(Exchange& exchange, Action action) noexcept {
+  try {
+    action();
+  } catch (const ProblemError& error) {
+    exchange.answer(problem_response(error.problem()));
+  } catch (const std::exception& error) {
+    exchange.answer(problem_response(report_bug(error.what())));
+  } catch (...) {
+    exchange.answer(problem_response(report_bug("of no known type")));
+  }
+}
+
 /// As the browser's own tools show it, ms.
 HttpResponse with_waiting_time(const JobReport& report, HttpResponse response) {
   if (!report.waited) return response;
@@ -145,17 +159,8 @@ std::string_view Routes::pattern_of(std::string_view target) {
   return "other";
 }
 
-/// The one boundary of what goes wrong with a request.
 void Routes::serve(HttpRequest request, std::shared_ptr<Exchange> exchange) noexcept {
-  try {
-    dispatch(std::move(request), exchange);
-  } catch (const ProblemError& error) {
-    exchange->answer(problem_response(error.problem()));
-  } catch (const std::exception& error) {
-    exchange->answer(problem_response(report_bug(error.what())));
-  } catch (...) {
-    exchange->answer(problem_response(report_bug("of no known type")));
-  }
+  answer_whatever_happens(*exchange, [&] { dispatch(std::move(request), exchange); });
 }
 
 void Routes::dispatch(HttpRequest request, const std::shared_ptr<Exchange>& exchange) {
@@ -170,8 +175,10 @@ void Routes::dispatch(HttpRequest request, const std::shared_ptr<Exchange>& exch
     if (row.takes_json && request.body_too_large) refuse(413, "the body is too large");
     auto call = std::make_shared<Call>(Call{std::move(request), std::move(name), exchange});
     if (!is_chore(row, *call)) return (this->*row.handler)(*call);
-    if (!chores_.submit([this, &row, call] { run(row, *call); }))
-      refuse(503, "too many large requests are waiting");
+    const auto chore = [this, &row, call] {
+      answer_whatever_happens(*call->exchange, [&] { (this->*row.handler)(*call); });
+    };
+    if (!chores_.submit(chore)) refuse(503, "too many large requests are waiting");
     return;
   }
   const std::string allowed = methods_of(path);
@@ -179,16 +186,6 @@ void Routes::dispatch(HttpRequest request, const std::shared_ptr<Exchange>& exch
   HttpResponse response = problem_response(make_problem(405, "this path takes " + allowed));
   response.headers.emplace_back("Allow", allowed);
   exchange->answer(std::move(response));
-}
-
-void Routes::run(const Row& row, const Call& call) noexcept {
-  try {
-    (this->*row.handler)(call);
-  } catch (const ProblemError& error) {
-    call.exchange->answer(problem_response(error.problem()));
-  } catch (const std::exception& error) {
-    call.exchange->answer(problem_response(report_bug(error.what())));
-  }
 }
 
 /// What would keep a thread from other clients for long.

@@ -35,7 +35,6 @@ class Routes {
   using Answer = std::string (*)(std::string_view body, const std::atomic<bool>* cancelled);
 
   void dispatch(HttpRequest request, const std::shared_ptr<Exchange>& exchange);
-  void run(const Row& row, const Call& call) noexcept;
   bool is_chore(const Row& row, const Call& call) const;
 
   void post_contours(const Call& call);
@@ -62,7 +61,9 @@ class Routes {
   Jobs& jobs_;
   const Metrics* metrics_;
   /// For what takes long and is no computation: reading large bodies, writing large files.
-  Workers chores_{2, 256};
+  static constexpr int kChoreThreads = 2;
+  static constexpr std::size_t kMostChores = 256;
+  Workers chores_{kChoreThreads, kMostChores};
 };
 
 HttpResponse problem_response(const Problem& problem);

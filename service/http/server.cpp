@@ -62,10 +62,6 @@ bool Server::is_listening() const { return library_->is_running(); }
 
 void Server::stop_listening() { library_->stop(); }
 
-void Server::drain(std::chrono::milliseconds patience) { reactor_.drain(patience); }
-
-std::size_t Server::connections() const { return reactor_.connections(); }
-
 bool is_healthy(const std::string& host, int port) {
   httplib::Client client(host, port);
   client.set_connection_timeout(2);

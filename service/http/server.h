@@ -27,10 +27,8 @@ class Server {
   /// No more connections. From any thread, once, while it is listening: before that it is without
   /// effect.
   void stop_listening();
-  /// Ends what is idle and waits for the answers that are under way.
-  void drain(std::chrono::milliseconds patience);
-
-  std::size_t connections() const;
+  /// Where the connections are.
+  Reactor& reactor() { return reactor_; }
 
  private:
   struct Library;
