@@ -95,6 +95,13 @@ bool Job::keep() {
   return kept_ = true;
 }
 
+bool Job::release() {
+  const std::lock_guard lock(mutex_);
+  kept_ = false;
+  if (!waiters_.empty() || outcome_) return false;
+  return cancelled_ = true;
+}
+
 void Job::run(const std::function<void(const JobReport&)>& ended) {
   JobWork work;
   {

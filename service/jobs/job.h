@@ -67,6 +67,8 @@ class Job : public JobControl {
   bool leave(const void* who);
   /// It goes on even if nobody waits: somebody may ask for it later. False if it has ended.
   bool keep();
+  /// Takes keep() back. True if nobody waits for it: then it is cancelled.
+  bool release();
 
   /// Does the work, or nothing if it was cancelled before. `ended` is called before any waiter.
   void run(const std::function<void(const JobReport&)>& ended);

@@ -60,8 +60,14 @@ void Jobs::keep(const std::shared_ptr<Job>& job) {
   }
   const bool runs = job->keep();
   // The file must say how it ended, whichever of the two comes first.
-  if (files_ && !files_->save(job->report()))
+  if (files_ && !files_->save(job->report())) {
+    {
+      const std::lock_guard lock(mutex_);
+      kept_.erase(job->id());
+    }
+    if (job->release()) give_up(job);
     throw ProblemError(make_problem(507, "the job cannot be written down"));
+  }
   if (!runs || job->report().ended()) ended(job->report());
 }
 
@@ -89,7 +95,10 @@ std::optional<JobReport> Jobs::dismiss(const std::string& id) {
 }
 
 void Jobs::leave(const std::shared_ptr<Job>& job, const void* who) {
-  if (!job->leave(who)) return;
+  if (job->leave(who)) give_up(job);
+}
+
+void Jobs::give_up(const std::shared_ptr<Job>& job) {
   job->interrupt([&](const JobReport& report) { ended(report); });
   workers_.withdraw(job.get());
 }

@@ -30,7 +30,7 @@ class Jobs {
   bool submit(std::function<void()> task) { return workers_.submit(std::move(task)); }
 
   /// From now on the job can be found by its id, and goes on if nobody waits. Throws ProblemError
-  /// (507) if that cannot be written down.
+  /// (507) if that cannot be written down; then it is as if it had not been asked.
   void keep(const std::shared_ptr<Job>& job);
   /// A job that was kept, here or by another server on the same folder.
   std::optional<JobReport> find(const std::string& id) const;
@@ -50,6 +50,7 @@ class Jobs {
  private:
   void run(const std::shared_ptr<Job>& job);
   void ended(const JobReport& report);
+  void give_up(const std::shared_ptr<Job>& job);
   std::shared_ptr<Job> kept_job(const std::string& id) const;
 
   JobFiles* files_;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <future>
 #include <nlohmann/json.hpp>
 
@@ -200,6 +201,35 @@ TEST(Jobs, are_known_to_every_server_on_the_folder_and_to_those_that_come) {
   EXPECT_EQ(later.find(ended)->state, JobState::successful);
   EXPECT_EQ(later.find(interrupted)->state, JobState::failed);
   EXPECT_NE(later.find(interrupted)->problem->detail.find("interrupted"), std::string::npos);
+}
+
+TEST(Jobs, that_cannot_be_written_down_are_not_kept_and_not_worked_at) {
+  const test::TemporaryFolder folder;
+  std::ofstream(folder.path() / "jobs") << "a file where the folder should be";
+  JobFiles files(folder.path() / "jobs");
+  Gate gate;
+  Jobs jobs({1, 8}, &files);
+  const auto kept = [&](const std::shared_ptr<Job>& job) {
+    try {
+      jobs.keep(job);
+    } catch (const ProblemError& error) {
+      EXPECT_EQ(error.problem().status, 507);
+      return false;
+    }
+    return true;
+  };
+  const auto alone = jobs.start("", gate.work());
+  gate.wait_for(1);
+  EXPECT_FALSE(kept(alone));
+  EXPECT_TRUE(*alone->cancelled());
+  const auto waited_for = jobs.start("", gate.work());
+  auto outcome = outcome_of(waited_for);
+  EXPECT_FALSE(kept(waited_for));
+  EXPECT_FALSE(*waited_for->cancelled());
+  gate.open = true;
+  EXPECT_TRUE(std::holds_alternative<JobResult>(outcome.get()));
+  std::filesystem::remove(folder.path() / "jobs");
+  for (const auto& job : {alone, waited_for}) EXPECT_FALSE(jobs.find(job->id()));
 }
 
 TEST(Jobs, more_than_are_remembered_are_read_from_their_files) {
