@@ -17,22 +17,6 @@ namespace {
 using nlohmann::json;
 using std::chrono::milliseconds;
 
-/// Many seconds of work, if nothing ends it: a proof that runs into its limits.
-json long_request(int variant = 0) {
-  json request = ball_request();
-  surface(request)["shape"] = {{"type", "torus"},
-                               {"center", {0, 0, 0}},
-                               {"axis", {0, 0, 1}},
-                               {"major_radius", 1},
-                               {"minor_radius", 0.4}};
-  request["tolerance"] = {{"irradiance", 1e-12}, {"chord", 2e-8}};
-  request["limits"] = {{"time_ms", 60000}, {"vertices", 2000000}, {"cells", 10000000}};
-  request["measure"] = "sheet";
-  request["certify"] = true;
-  request["levels"] = {0.0003, 0.0004 + 1e-6 * variant, 0.0005};
-  return request;
-}
-
 const std::string kAsync = "Content-Type: application/json\r\nPrefer: respond-async\r\n";
 
 std::string post_bytes(const json& request, const std::string& headers) {
@@ -69,7 +53,8 @@ class JobsOverHttp : public testing::Test {
   }
 
   TemporaryFolder folder;
-  ServerProcess server{folder.path() / "data", {"--workers", "1", "--queue", "4", "--grace", "0"}};
+  ServerProcess server{folder.path() / "data",
+                       {"--threads", "1", "--workers", "1", "--queue", "4", "--grace", "0"}};
 };
 
 TEST_F(JobsOverHttp, run_are_asked_for_and_answer) {
@@ -98,17 +83,20 @@ TEST_F(JobsOverHttp, are_joined_move_and_are_dismissed) {
   const std::string location = first.headers.at("location");
   EXPECT_EQ(second.headers.at("location"), location);
   wait_for(location, [](const json& report) { return report["progress"] > 0.0; });
-  HttpReply waiting;
-  std::thread waits(
-      [&] { waiting = http_post(server.port(), "/v1/contours", long_request().dump()); });
   HttpConnection events(server.port());
   events.send("GET " + location + "/events HTTP/1.1\r\n\r\n");
   EXPECT_EQ(events.receive().headers.at("content-type"), "text/event-stream");
-  std::this_thread::sleep_for(milliseconds(20));
-  job(location, "DELETE");
+  // The one thread takes up what has come in its order: so this one joins before the next cancels.
+  HttpConnection waits(server.port()), cancels(server.port());
+  for (HttpConnection* known : {&waits, &cancels}) {
+    known->send("GET /healthz HTTP/1.1\r\n\r\n");
+    EXPECT_EQ(known->receive().status, 200);
+  }
+  waits.send(post_bytes(long_request(), "Content-Type: application/json\r\n"));
+  cancels.send("DELETE " + location + " HTTP/1.1\r\n\r\n");
+  EXPECT_EQ(cancels.receive().status, 200);
+  EXPECT_EQ(waits.receive().status, 503);
   EXPECT_EQ(wait_for(location, ended)["status"], "dismissed");
-  waits.join();
-  EXPECT_EQ(waiting.status, 503);
   const std::string stream = events.receive_rest();
   EXPECT_NE(stream.find("event: job\ndata: {\"id\":"), stream.npos) << stream;
   EXPECT_NE(stream.find("id: end\nevent: end\ndata: "), stream.npos) << stream;
@@ -122,7 +110,7 @@ TEST_F(JobsOverHttp, nobody_waits_nobody_works) {
   {
     HttpConnection leaves(server.port());
     leaves.send(post_bytes(long_request(), "Content-Type: application/json\r\n"));
-    std::this_thread::sleep_for(milliseconds(50));
+    EXPECT_TRUE(is_computing(server.port()));
   }
   // With one worker this would else be answered after a minute.
   EXPECT_EQ(http_post(server.port(), "/v1/contours", ball_request().dump()).status, 200);
@@ -197,11 +185,7 @@ TEST_F(JobsOverHttp, what_runs_is_finished_before_the_end) {
   request["limits"]["time_ms"] = 300;
   HttpReply reply;
   std::thread client([&] { reply = http_post(other.port(), "/v1/contours", request.dump()); });
-  for (int i = 0;
-       i < 2000 &&
-       http_get(other.port(), "/metrics").body.find("isocaustic_running 1\n") == std::string::npos;
-       ++i) {
-  }
+  EXPECT_TRUE(is_computing(other.port()));
   EXPECT_EQ(other.stop(SIGTERM), 0);
   client.join();
   EXPECT_EQ(reply.status, 200);

@@ -1,7 +1,6 @@
 // The server against clients that are wrong, rude or unlucky.
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <csignal>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -109,24 +108,14 @@ TEST_F(ServerTest, bodies_over_the_limit_are_413) {
   EXPECT_EQ(connection.receive().status, 200);  // the connection is of use still
 }
 
-TEST_F(ServerTest, an_endless_body_is_answered_and_hung_up_on) {
-  HttpConnection connection(port());
-  connection.send(post_head("/v1/contours", kJson + "Transfer-Encoding: chunked\r\n"));
-  const std::string chunk = "100000\r\n" + std::string(0x100000, 'x') + "\r\n";
-  for (int i = 0; i < 200 && connection.send(chunk);) ++i;
-  const HttpReply reply = connection.receive();
-  EXPECT_TRUE(reply.status == 413 || reply.status == 0) << reply.status;
-  EXPECT_LT(server.peak_memory(), 200 * 1024);
-}
-
 TEST_F(ServerTest, a_body_left_over_is_not_the_next_request) {
   HttpConnection connection(port());
   const std::string smuggled = "GET /healthz HTTP/1.1\r\n\r\n";
-  for (const char* target : {"/v1/nothing", "/healthz"}) {
+  for (const auto& [target, status] : {std::pair("/v1/nothing", 404), {"/healthz", 405}}) {
     connection.send(
         post_head(target, "Content-Length: " + std::to_string(smuggled.size()) + "\r\n") +
         smuggled);
-    EXPECT_GE(connection.receive().status, 404);
+    EXPECT_EQ(connection.receive().status, status);
   }
   connection.send("GET /v1/examples HTTP/1.1\r\n\r\n");
   EXPECT_NE(connection.receive().body.find("examples"), std::string::npos);
@@ -140,10 +129,12 @@ TEST_F(ServerTest, lengths_that_lie) {
   HttpConnection connection(port());
   connection.send(post_head("/v1/contours", kJson + "Content-Length: 2\r\n") + "{}garbage\r\n\r\n");
   EXPECT_EQ(connection.receive().status, 422);
-  for (const char* length : {"-1", "99999999999999999999999", "abc", "", "1e3"}) {
+  const std::pair<const char*, int> lengths[] = {
+      {"-1", 400}, {"99999999999999999999999", 413}, {"abc", 400}, {"", 400}, {"1e3", 400}};
+  for (const auto& [length, status] : lengths) {
     HttpConnection other(port());
     other.send(post_head("/v1/contours", kJson + "Content-Length: " + length + "\r\n") + "{}");
-    EXPECT_NE(other.receive().status, 200) << length;
+    EXPECT_EQ(other.receive().status, status) << length;
   }
   for (const std::string& doubled :
        {std::string("Content-Length: 2\r\nContent-Length: 3\r\n"),
@@ -175,7 +166,7 @@ TEST_F(ServerTest, forms_and_compressed_bodies_are_no_way_in) {
                               kJson + "Content-Encoding: " + coding + "\r\nContent-Length: 2\r\n") +
                     "{}");
     const HttpReply coded = connection.receive();
-    EXPECT_GE(coded.status, 400) << coding;
+    EXPECT_EQ(coded.status, 415) << coding;
     EXPECT_EQ(coded.headers.count("exception_what"), 0u);
   }
 }
@@ -197,21 +188,25 @@ TEST_F(ServerTest, paths_lead_nowhere_else) {
   }
   for (const std::size_t length : {2'000u, 8'000u, 20'000u}) {
     const HttpReply reply = http_get(port(), "/" + std::string(length, 'a'));
-    EXPECT_TRUE(reply.status == 414 || reply.status == 400 || reply.status == 0) << reply.status;
-    EXPECT_NE(http_post(port(), "/" + std::string(length, 'a'), "{}").status, 200);
+    EXPECT_EQ(reply.status, 414) << length;
+    EXPECT_EQ(http_post(port(), "/" + std::string(length, 'a'), "{}").status, 414) << length;
   }
 }
 
 TEST_F(ServerTest, odd_heads) {
-  for (const std::string& head :
-       {std::string("\r\n\r\n"), std::string("GET\r\n\r\n"), std::string("GET / HTTP/9.9\r\n\r\n"),
-        std::string("GET  /healthz  HTTP/1.1\r\n\r\n"),
-        std::string("GET /healthz HTTP/1.1\r\n: x\r\n\r\n"),
-        std::string("GET /healthz HTTP/1.1\r\nRange: bytes=9-1\r\n\r\n"),
-        std::string(9'000, 'A') + "\r\n\r\n", std::string("\xff\xfe\0\x01\r\n\r\n", 8)}) {
+  const std::pair<std::string, int> heads[] = {
+      {"\r\n\r\n", 400},
+      {"GET\r\n\r\n", 400},
+      {"GET / HTTP/9.9\r\n\r\n", 505},
+      {"GET  /healthz  HTTP/1.1\r\n\r\n", 400},
+      {"GET /healthz HTTP/1.1\r\n: x\r\n\r\n", 400},
+      {"GET /healthz HTTP/1.1\r\nRange: bytes=9-1\r\n\r\n", 200},
+      {std::string(9'000, 'A') + "\r\n\r\n", 400},
+      {std::string("\xff\xfe\0\x01\r\n\r\n", 8), 400}};
+  for (const auto& [head, status] : heads) {
     HttpConnection connection(port());
     connection.send(head);
-    connection.receive();
+    EXPECT_EQ(connection.receive().status, status) << head.substr(0, 40);
   }
 }
 
@@ -233,34 +228,26 @@ TEST_F(ServerTest, stops_when_asked) {
   }
 }
 
-// Far below the 5 s after which an idle connection is closed.
+/// It would wait for an hour.
 TEST_F(ServerTest, does_not_wait_for_idle_connections) {
-  ServerProcess other(folder.path() / "other");
+  ServerProcess other(folder.path() / "other", {"--grace", "3600000"});
   HttpConnection silent(other.port()), idle(other.port());
   idle.send("GET /healthz HTTP/1.1\r\n\r\n");
   EXPECT_EQ(idle.receive().status, 200);
-  const auto begin = std::chrono::steady_clock::now();
   EXPECT_EQ(other.stop(SIGTERM), 0);
-  const std::chrono::duration<double> waited = std::chrono::steady_clock::now() - begin;
-  EXPECT_LT(waited.count(), 2.0);
   EXPECT_TRUE(idle.closed_by_server());
 }
 
 TEST_F(ServerTest, stops_in_the_middle_of_work) {
   ServerProcess other(folder.path() / "other", {"--grace", "100"});
   const HttpConnection idle(other.port());
-  json request = ball_request();
-  surface(request)["shape"] =
-      json::parse(R"({"type": "torus", "center": [0, 0, 0], "axis": [0, 0, 1],
-                                              "major_radius": 1, "minor_radius": 0.4})");
-  request["tolerance"] = {{"irradiance", 1e-12}, {"chord", 1e-6}};
-  request["limits"] = {{"time_ms", 60000}, {"vertices", 2000000}};
   HttpReply reply;
-  std::thread client([&] { reply = http_post(other.port(), "/v1/contours", request.dump()); });
-  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  std::thread client(
+      [&] { reply = http_post(other.port(), "/v1/contours", long_request().dump()); });
+  EXPECT_TRUE(is_computing(other.port()));
   EXPECT_EQ(other.stop(SIGTERM), 0);
   client.join();
-  EXPECT_TRUE(reply.status == 503 || reply.status == 200) << reply.status;
+  EXPECT_EQ(reply.status, 503);
 }
 
 TEST_F(ServerTest, a_full_disk_is_507_and_leaves_nothing) {

@@ -76,6 +76,26 @@ ReactorOptions one_thread() {
   return options;
 }
 
+/// A handler that keeps one request's way back.
+class Kept {
+ public:
+  HttpHandler handler() {
+    return [this](HttpRequest, std::shared_ptr<Exchange> exchange) {
+      exchange->on_leave([this] { left.set_value(); });
+      exchange_ = std::move(exchange);
+      here.set_value();
+    };
+  }
+  /// Once the request is here.
+  void wait() { here.get_future().wait(); }
+  void answer(std::string body) { exchange_->answer(text(std::move(body))); }
+
+  std::promise<void> here, left;
+
+ private:
+  std::shared_ptr<Exchange> exchange_;
+};
+
 TEST(Reactor, answers_what_comes_at_once_in_its_order) {
   Reactor reactor(echo, one_thread());
   const Client client(reactor);
@@ -132,7 +152,10 @@ TEST(Reactor, one_thread_serves_others_beside_those_who_are_idle_or_slow) {
 
 TEST(Reactor, who_takes_too_long_is_told_so) {
   Reactor reactor(echo, quick());
-  const Client head(reactor), body(reactor), idle(reactor), used(reactor);
+  ReactorOptions quick_when_idle = one_thread();  // there is time for a first request
+  quick_when_idle.idle_time = milliseconds(50);
+  Reactor other(echo, quick_when_idle);
+  const Client head(reactor), body(reactor), idle(reactor), used(other);
   head.send("GET /a HT");
   body.send("POST /a HTTP/1.1\r\nContent-Length: 9\r\n\r\nab");
   used.send(kGet);
@@ -193,56 +216,38 @@ TEST(Reactor, bodies_together_are_bounded) {
 }
 
 TEST(Reactor, tells_when_a_client_leaves_before_its_answer) {
-  std::promise<void> left;
-  std::shared_ptr<Exchange> kept;
-  Reactor reactor(
-      [&](HttpRequest, std::shared_ptr<Exchange> exchange) {
-        exchange->on_leave([&] { left.set_value(); });
-        kept = std::move(exchange);
-      },
-      one_thread());
+  Kept kept;
+  Reactor reactor(kept.handler(), one_thread());
   Client client(reactor);
   client.send(kGet);
   client.close();
-  ASSERT_EQ(left.get_future().wait_for(std::chrono::seconds(30)), std::future_status::ready);
-  kept->answer(text("too late"));
+  ASSERT_EQ(kept.left.get_future().wait_for(std::chrono::seconds(30)), std::future_status::ready);
+  kept.answer("too late");
   for (int i = 0; i < 3000 && reactor.connections() > 0; ++i)
     std::this_thread::sleep_for(milliseconds(1));
   EXPECT_EQ(reactor.connections(), 0u);
 }
 
 TEST(Reactor, an_answer_may_come_after_its_end) {
-  std::shared_ptr<Exchange> kept;
-  std::promise<void> here;
+  Kept kept;
   {
-    Reactor reactor(
-        [&](HttpRequest, std::shared_ptr<Exchange> exchange) {
-          kept = std::move(exchange);
-          here.set_value();
-        },
-        one_thread());
+    Reactor reactor(kept.handler(), one_thread());
     const Client client(reactor);
     client.send(kGet);
-    here.get_future().wait();
+    kept.wait();
   }
-  kept->answer(text("too late"));
+  kept.answer("too late");
 }
 
 TEST(Reactor, draining_waits_for_answers_and_ends_the_rest) {
-  std::shared_ptr<Exchange> kept;
-  std::promise<void> here;
-  Reactor reactor(
-      [&](HttpRequest, std::shared_ptr<Exchange> exchange) {
-        kept = std::move(exchange);
-        here.set_value();
-      },
-      one_thread());
+  Kept kept;
+  Reactor reactor(kept.handler(), one_thread());
   const Client idle(reactor), busy(reactor);
   busy.send(kGet);
-  here.get_future().wait();
+  kept.wait();
   std::thread answering([&] {
     std::this_thread::sleep_for(milliseconds(20));
-    kept->answer(text("at last;"));
+    kept.answer("at last;");
   });
   reactor.drain(std::chrono::seconds(30));
   answering.join();

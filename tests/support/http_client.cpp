@@ -6,7 +6,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <sstream>
+#include <thread>
 #include <utility>
 
 namespace caustic::test {
@@ -84,6 +86,15 @@ HttpReply http_get(int port, const std::string& target, const std::string& metho
   HttpConnection connection(port);
   connection.send(method + " " + target + " HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n");
   return connection.receive(method == "HEAD");
+}
+
+bool is_computing(int port) {
+  for (int i = 0; i < 6000; ++i) {
+    if (http_get(port, "/metrics").body.find("isocaustic_running 1\n") != std::string::npos)
+      return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return false;
 }
 
 std::string post_head(const std::string& target, const std::string& headers) {

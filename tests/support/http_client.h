@@ -40,6 +40,8 @@ class HttpConnection {
 HttpReply http_get(int port, const std::string& target, const std::string& method = "GET");
 HttpReply http_post(int port, const std::string& target, const std::string& body,
                     const std::string& type = "application/json");
+/// True once the server computes something; false if it does not come to that.
+bool is_computing(int port);
 /// Head of a POST with these extra header lines (each ended by \r\n).
 std::string post_head(const std::string& target, const std::string& headers);
 

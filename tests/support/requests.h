@@ -46,4 +46,20 @@ inline nlohmann::json& surface(nlohmann::json& request, std::size_t i = 0) {
   return request["scene"]["surfaces"][i];
 }
 
+/// Many seconds of work, if nothing ends it: a proof that runs into its limits.
+inline nlohmann::json long_request(int variant = 0) {
+  nlohmann::json request = ball_request();
+  surface(request)["shape"] = {{"type", "torus"},
+                               {"center", {0, 0, 0}},
+                               {"axis", {0, 0, 1}},
+                               {"major_radius", 1},
+                               {"minor_radius", 0.4}};
+  request["tolerance"] = {{"irradiance", 1e-12}, {"chord", 2e-8}};
+  request["limits"] = {{"time_ms", 60000}, {"vertices", 2000000}, {"cells", 10000000}};
+  request["measure"] = "sheet";
+  request["certify"] = true;
+  request["levels"] = {0.0003, 0.0004 + 1e-6 * variant, 0.0005};
+  return request;
+}
+
 }  // namespace caustic::test
