@@ -9,7 +9,6 @@ const LIGHT = '.handle[data-pointer="/scene/light"]';
 async function opened() {
   const page = await world.open("/#example=sphere-ceiling");
   await settled(page);
-  await page.waitForFunction(() => [...document.querySelectorAll(".picture")].every((p) => p.querySelector("path")));
   return page;
 }
 
@@ -21,13 +20,14 @@ async function middleOf(page, selector) {
 test("the light is dragged", async () => {
   const page = await opened();
   const asked = [];
-  let inFlight = 0, most = 0;
+  const inFlight = new Set();
+  let most = 0;
   page.on("request", (r) => {
     if (!r.url().endsWith("/v1/contours")) return;
     asked.push(r.postDataJSON().store);
-    most = Math.max(most, ++inFlight);
+    most = Math.max(most, inFlight.add(r).size);
   });
-  const ended = (r) => r.url().endsWith("/v1/contours") && --inFlight;
+  const ended = (r) => inFlight.delete(r);
   page.on("requestfinished", ended);
   page.on("requestfailed", ended);
   const before = Number(await page.getAttribute(".diagram", "data-updates"));

@@ -56,6 +56,8 @@ test("faults stand at their fields and lead there", async () => {
 test("every kind of surface, light and aperture can be chosen", async () => {
   const page = await world.open("/#example=sphere-ceiling");
   await settled(page);
+  await page.getByText("Tolerances and limits").click();
+  await settledAfter(page, () => field(page, "Time, ms").fill("200"));
   const select = (label) => page.getByRole("combobox", { name: label, exact: true });
   const kinds = async (label) => select(label).locator("option").evaluateAll((all) => all.map((o) => o.value));
   const choose = async (label, value) => {

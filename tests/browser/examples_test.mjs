@@ -6,7 +6,7 @@ import { drawn, settled, settledAfter, useBrowser } from "./support.mjs";
 const world = useBrowser();
 
 test("every example is drawn", async () => {
-  const page = await world.open("/");
+  const page = await world.open("/", { pictures: true });
   await settled(page);
   const names = await page.$$eval(".example", (buttons) => buttons.map((b) => b.dataset.name));
   const { examples } = await (await fetch(`${world.base}/v1/examples`)).json();

@@ -38,7 +38,7 @@ test("a link is the scene", async () => {
   await page.waitForFunction(() => location.hash.startsWith("#scene="));
   await page.click("#copy-link");
   const link = await page.evaluate(() => navigator.clipboard.readText());
-  const other = await world.open(link.slice(world.base.length));
+  const other = await world.open(link.slice(world.base.length), { pictures: true });
   await settled(other);
   assert.equal(await field(other, "Radius").inputValue(), "0.75");
   assert.equal(await drawn(other), await drawn(page));

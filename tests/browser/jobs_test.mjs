@@ -11,7 +11,7 @@ writeFileSync(secret, "sesame");
 const world = useBrowser(["--token-file", secret]);
 
 async function opened(path) {
-  const page = await world.open(path);
+  const page = await world.open(path, { pictures: true });
   await page.getByRole("textbox", { name: "Token" }).fill("sesame");
   await page.getByRole("button", { name: "Continue" }).click();
   await settled(page);
@@ -53,4 +53,25 @@ test("files are saved with the token", async () => {
   const [download] = await Promise.all([page.waitForEvent("download"), page.click("#files a[data-format=csv]")]);
   assert.equal(await download.failure(), null);
   assert.equal(download.suggestedFilename(), "isocaustic.csv");
+});
+
+test("a job that somebody else cancels is begun again", async () => {
+  const page = await opened("/#example=cuboid");
+  await makeLong(page);
+  const events = await page.waitForRequest((r) => r.url().endsWith("/events"));
+  const job = events.url().slice(0, -"/events".length);
+  const [again] = await Promise.all([
+    page.waitForRequest((r) => r.url().endsWith("/v1/contours") && r.postDataJSON().store),
+    fetch(job, { method: "DELETE", headers: { Authorization: "Bearer sesame" } })]);
+  assert.equal(again.postDataJSON().levels.count, 900);
+  await page.waitForSelector(".work:visible");
+  await page.getByRole("button", { name: "Cancel" }).click();
+  await page.waitForSelector("#status.troubled");
+});
+
+test("/docs asks for the token too", async () => {
+  const page = await world.open("/docs");
+  await page.getByRole("textbox", { name: "Token" }).fill("sesame");
+  await page.getByRole("button", { name: "Continue" }).click();
+  await page.waitForSelector(".opblock");
 });

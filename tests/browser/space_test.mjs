@@ -6,7 +6,7 @@ import { settled, settledAfter, useBrowser } from "./support.mjs";
 const world = useBrowser();
 
 async function opened(name) {
-  const page = await world.open(`/#example=${name}`, { width: 1400, height: 560 });
+  const page = await world.open(`/#example=${name}`, { width: 1400, height: 560, pictures: name === "sphere-wall" });
   await settled(page);
   await page.getByRole("button", { name: "3-D" }).click();
   await page.waitForSelector("canvas.space[data-curves]");

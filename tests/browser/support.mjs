@@ -52,9 +52,14 @@ export function useBrowser(options = []) {
     return contexts.get(key);
   };
   /** A new page; what it may not do fails the file. */
-  world.open = async (path, { width = 1280, height = 800, ...more } = {}) => {
+  world.open = async (path, { width = 1280, height = 800, pictures = false, ...more } = {}) => {
     const page = await (await contextFor(more)).newPage();
     await page.setViewportSize({ width, height });
+    // Little pictures of all examples take a second of computing; few tests are about them.
+    const wanted = path.match(/#example=(.*)/)?.[1] ?? "torus";
+    if (!pictures)
+      await page.route(/\/v1\/examples\/./, (route) =>
+        route.request().url().endsWith(`/${wanted}`) ? route.continue() : route.abort());
     page.on("pageerror", (error) => world.faults.push(`pageerror: ${error.stack}`));
     page.on("console", (message) => {
       if (/Content Security Policy|violates/.test(message.text())) world.faults.push(message.text());

@@ -39,7 +39,9 @@ function messages(state: State, store: Store, goTo: (fault: Fault) => boolean): 
       const text = `${fault.pointer || "/"}: ${fault.detail}`;
       return h("li", {}, h("button", { type: "button", class: "link", onclick: () => void goTo(fault) }, text));
     });
-    return [h("p", {}, state.trouble), ...(faults.length ? [h("ul", { class: "plain" }, ...faults)] : [])];
+    const again = () => store.set({ request: { ...store.now.request }, trouble: null });
+    const retry = !faults.length && h("button", { type: "button", class: "link", onclick: again }, "Try again");
+    return [h("p", {}, `${state.trouble} `, retry), ...(faults.length ? [h("ul", { class: "plain" }, ...faults)] : [])];
   }
   if (state.traced && !state.traced.coarse && !state.traced.answer.complete) {
     const longer = () => {

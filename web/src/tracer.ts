@@ -75,11 +75,15 @@ export class Tracer {
     }
   }
 
-  private async exact(request: ContourRequest, signal: AbortSignal) {
+  private async exact(request: ContourRequest, signal: AbortSignal): Promise<Pick<Traced, "answer" | "curves">> {
     const started = await startTrace(request, signal);
     if (started.answer) return { answer: started.answer, curves: await getCurves(started.answer, signal) };
     const { id } = started.job;
-    const cancel = () => void cancelJob(id).catch(() => undefined); // it may have ended by itself
+    let cancelled = false;
+    const cancel = () => {
+      cancelled = true;
+      void cancelJob(id).catch(() => undefined); // it may have ended by itself
+    };
     signal.addEventListener("abort", cancel);
     this.store.set({ work: { progress: 0, cancel } });
     const report = await follow(started.job, signal, (progress) => {
@@ -87,6 +91,8 @@ export class Tracer {
     });
     signal.removeEventListener("abort", cancel);
     if (report.problem) throw new Problem(report.problem.status, report.problem.detail, report.problem.errors ?? []);
+    // Somebody else who asked the same may have cancelled it for all.
+    if (!report.result && !cancelled) return this.exact(request, signal);
     if (!report.result) throw new Problem(0, "Cancelled.", []);
     return getResult(report.result, signal);
   }
