@@ -75,3 +75,12 @@ test("/docs asks for the token too", async () => {
   await page.getByRole("button", { name: "Continue" }).click();
   await page.waitForSelector(".opblock");
 });
+
+test("a service with too much to do is asked again", async () => {
+  const page = await opened("/#example=sphere-wall");
+  let refused = 0;
+  await page.route("**/v1/contours", (route) =>
+    ++refused > 3 ? route.continue() : route.fulfill({ status: refused % 2 ? 429 : 503, body: "" }));
+  await settledAfter(page, () => page.click('[data-name="nephroid"]'));
+  assert.ok(refused > 3);
+});

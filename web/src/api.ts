@@ -21,7 +21,12 @@ export interface Call {
   body?: Json;
   signal?: AbortSignal;
   headers?: Record<string, string>;
+  /** How often to ask again while the service has too much to do. */
+  retries?: number;
 }
+
+const RETRIES = 5;
+const PATIENCE_MS = 400;
 
 export async function ask(path: string, call: Call = {}): Promise<Response> {
   const headers: Record<string, string> = { ...call.headers };
@@ -37,8 +42,13 @@ export async function ask(path: string, call: Call = {}): Promise<Response> {
     await askForToken();
     return ask(path, call);
   }
-  if (!response.ok) throw await problemOf(response);
-  return response;
+  if (response.ok) return response;
+  const problem = await problemOf(response);
+  const retries = call.retries ?? RETRIES;
+  if (!problem.passing || retries === 0) throw problem;
+  await new Promise((resolve) => setTimeout(resolve, PATIENCE_MS));
+  call.signal?.throwIfAborted();
+  return ask(path, { ...call, retries: retries - 1 });
 }
 
 async function problemOf(response: Response): Promise<Problem> {
@@ -61,10 +71,11 @@ export const getExample = (name: string) =>
   json<ContourRequest>(`/v1/examples/${encodeURIComponent(name)}`);
 
 /** Traced at once; nothing is stored, the curves come with the answer. */
-export async function traceUnstored(request: ContourRequest, signal?: AbortSignal) {
+export async function traceUnstored(request: ContourRequest, signal?: AbortSignal, retries?: number) {
   const answer = await json<ContourAnswer>("/v1/contours", {
     body: { ...request, store: false },
     ...(signal && { signal }),
+    ...(retries !== undefined && { retries }),
   });
   return { answer, curves: answer.geojson! };
 }

@@ -5,6 +5,7 @@ import type { ContourRequest } from "./contract";
 import { pathsOf } from "./diagram/paths";
 import { h, s } from "./dom";
 import { receiverOf } from "./scene";
+import { kept } from "./storage";
 import type { Store } from "./state";
 
 /** A picture as this browser keeps it, and what it is of. */
@@ -53,14 +54,14 @@ async function draw(name: string, picture: Element, version: string): Promise<vo
   const request = await getExample(name);
   const key = KEPT + name;
   const of = JSON.stringify([version, request]);
-  const kept = JSON.parse(localStorage.getItem(key) ?? "null") as Kept | null;
-  if (kept?.of === of) return show(picture, kept.size, kept.levels);
+  const old = JSON.parse(kept.get(key) ?? "null") as Kept | null;
+  if (old?.of === of) return show(picture, old.size, old.levels);
   const size = receiverOf(request)!.size;
   const tolerance = { irradiance: 1e-4, chord: CHORD * Math.max(...size) };
   const { curves } = await traceUnstored({ ...request, tolerance } as ContourRequest);
   const { levels } = pathsOf(curves, 100 * Math.max(...size));
   const lean = levels.map(({ level, fill, isolux }) => ({ level, fill, isolux }));
-  localStorage.setItem(key, JSON.stringify({ of, size: Math.max(...size), levels: lean } satisfies Kept));
+  kept.set(key, JSON.stringify({ of, size: Math.max(...size), levels: lean } satisfies Kept));
   show(picture, Math.max(...size), lean);
 }
 

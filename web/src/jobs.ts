@@ -28,7 +28,7 @@ export async function follow(job: JobReport, signal: AbortSignal, tell: (progres
 
 /** Server-sent events, read by hand: an EventSource cannot send the token. */
 async function* events(id: string, signal: AbortSignal): AsyncGenerator<JobReport> {
-  const response = await ask(`/v1/jobs/${id}/events`, { signal });
+  const response = await ask(`/v1/jobs/${id}/events`, { signal, retries: 0 });
   if (!response.body) throw new Problem(response.status, "no events", []);
   const reader = response.body.pipeThrough(new TextDecoderStream()).getReader();
   let text = "";

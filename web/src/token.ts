@@ -1,10 +1,13 @@
 // A service that was started with a token asks for it; it is kept as long as the tab.
 import { h } from "./dom";
+import { keptForTab } from "./storage";
 
 const KEY = "isocaustic-token";
 
+let shown = keptForTab.get(KEY) ?? "";
+
 export function token(): string {
-  return sessionStorage.getItem(KEY) ?? "";
+  return shown;
 }
 
 let asking: Promise<void> | null = null;
@@ -25,7 +28,8 @@ export function askForToken(): Promise<void> {
       ),
     );
     dialog.addEventListener("close", () => {
-      sessionStorage.setItem(KEY, input.value);
+      shown = input.value;
+      keptForTab.set(KEY, shown);
       dialog.remove();
       asking = null;
       resolve();

@@ -50,7 +50,7 @@ export class Tracer {
       const abort = (this.running = new AbortController());
       try {
         const begun = performance.now();
-        const traced = await traceUnstored(coarsened(asked, slow), abort.signal);
+        const traced = await traceUnstored(coarsened(asked, slow), abort.signal, 0);
         slow ||= performance.now() - begun > SLOW_MS;
         if (!abort.signal.aborted) this.show({ ...traced, request: asked, coarse: true });
       } catch (error) {
