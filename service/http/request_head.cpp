@@ -85,6 +85,11 @@ void read_header(std::string_view line, RequestHead& head, std::size_t count) {
   if (name.find('_') == name.npos) head.headers.emplace_back(std::move(name), value);
 }
 
+bool has_header(const RequestHead& head, std::string_view name) {
+  return std::any_of(head.headers.begin(), head.headers.end(),
+                     [&](const auto& header) { return header.first == name; });
+}
+
 void check_single_headers(const RequestHead& head) {
   constexpr std::array kOnce = {
       "host",          "content-length", "transfer-encoding", "content-type", "content-encoding",
@@ -110,17 +115,14 @@ void read_length(std::string_view text, RequestHead& head) {
 }
 
 void read_framing(RequestHead& head, bool is_1_0) {
-  const auto has = [&](std::string_view name) {
-    return std::any_of(head.headers.begin(), head.headers.end(),
-                       [&](const auto& header) { return header.first == name; });
-  };
-  if (has("transfer-encoding")) {
-    if (has("content-length") || is_1_0) refuse_head(400, "the length of the body is unclear");
+  if (has_header(head, "transfer-encoding")) {
+    if (has_header(head, "content-length") || is_1_0)
+      refuse_head(400, "the length of the body is unclear");
     if (lower(head.header("transfer-encoding")) != "chunked")
       refuse_head(400, "no transfer coding but chunked is read");
     head.chunked = true;
   }
-  if (has("content-length")) read_length(head.header("content-length"), head);
+  if (has_header(head, "content-length")) read_length(head.header("content-length"), head);
   const std::string coding = lower(head.header("content-encoding"));
   if (!coding.empty() && coding != "identity") refuse_head(415, "bodies are read uncompressed");
   const bool has_body = head.chunked || head.length.value_or(0) > 0;
@@ -161,6 +163,7 @@ RequestHead parse_request_head(std::string_view bytes) {
   }
   if (!rest.empty()) refuse_head(400, "the head goes on after its end");
   check_single_headers(head);
+  if (!is_1_0 && !has_header(head, "host")) refuse_head(400, "there is no Host");
   check_ranges(head.header("range"));
   read_framing(head, is_1_0);
   read_connection(head);

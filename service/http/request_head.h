@@ -33,7 +33,8 @@ struct RequestHead {
 /// - names are tokens, followed by their colon at once; at most kMaxHeaders of them
 /// - the body has one length: one Content-Length of digits, or `Transfer-Encoding: chunked`, not
 ///   both; GET, HEAD, DELETE, OPTIONS and TRACE have no body
-/// - what may come once comes once: Host, Content-Type, Authorization, …
+/// - what may come once comes once: Host, Content-Type, Authorization, …; Host does come in
+/// HTTP/1.1
 /// - `Range` lists at most kMaxRanges parts (416; RFC 9110, 15.5.17). None are served: who asks for
 ///   fewer gets the whole
 /// - bodies are not coded (415), and nothing else is expected than 100-continue (417)

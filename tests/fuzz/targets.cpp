@@ -84,10 +84,12 @@ std::vector<std::string> body_seeds() {
 std::vector<std::string> request_seeds() {
   std::vector<std::string> out{
       "GET /healthz HTTP/1.1\r\nHost: a\r\n\r\nHEAD /openapi.json HTTP/1.0\r\n\r\n",
-      "DELETE /v1/jobs/" + std::string(64, 'a') + " HTTP/1.1\r\nX-Request-Id: r\r\n\r\n",
+      "DELETE /v1/jobs/" + std::string(64, 'a') + " HTTP/1.1\r\nHost: x\r\nX-Request-Id: r\r\n\r\n",
       "GET /v1/results/" + std::string(64, 'a') +
-          ".vtp HTTP/1.1\r\nIf-None-Match: W/\"x\", *\r\nAccept-Encoding: gzip;q=0.5, br\r\n\r\n",
-      "POST /v1/contours HTTP/1.1\r\nContent-Type: application/json; a=b\r\nTransfer-Encoding: "
+          ".vtp HTTP/1.1\r\nHost: x\r\nIf-None-Match: W/\"x\", *\r\nAccept-Encoding: gzip;q=0.5, "
+          "br\r\n\r\n",
+      "POST /v1/contours HTTP/1.1\r\nHost: x\r\nContent-Type: application/json; "
+      "a=b\r\nTransfer-Encoding: "
       "chunked\r\nExpect: 100-continue\r\n\r\n2;x=y\r\n{}\r\n0\r\nA: b\r\n\r\n"};
   for (const std::string& body : body_seeds()) out.push_back(post_of("/v1/contours", body));
   out.push_back(post_of("/v1/paths", path_request().dump()));

@@ -69,7 +69,7 @@ TEST_F(GuardTest, a_body_that_unpacks_to_more) {
 }
 
 TEST_F(GuardTest, a_line_without_end_and_headers_without_number) {
-  for (const std::string beginning : {"", "GET /healthz HTTP/1.1\r\nA: "}) {
+  for (const std::string beginning : {"", "GET /healthz HTTP/1.1\r\nHost: x\r\nA: "}) {
     HttpConnection connection(port());
     connection.send(beginning);
     const std::string more(1 << 20, 'a');
@@ -79,7 +79,7 @@ TEST_F(GuardTest, a_line_without_end_and_headers_without_number) {
     EXPECT_TRUE(status == 414 || status == 431 || status == 0) << status;
   }
   HttpConnection connection(port());
-  connection.send("GET /healthz HTTP/1.1\r\n");
+  connection.send("GET /healthz HTTP/1.1\r\nHost: x\r\n");
   std::string headers;
   for (int i = 0; i < 1000; ++i) headers += "A" + std::to_string(i) + ": b\r\n";
   for (int i = 0; i < 200 && connection.send(headers); ++i) {
@@ -90,7 +90,7 @@ TEST_F(GuardTest, a_line_without_end_and_headers_without_number) {
 
 /// Answers come whole: a few ranges are ignored, as they may be, and hundreds are refused.
 TEST_F(GuardTest, ranges_by_the_hundred) {
-  const std::string get = "GET /openapi.json HTTP/1.1\r\nRange: bytes=0-";
+  const std::string get = "GET /openapi.json HTTP/1.1\r\nHost: x\r\nRange: bytes=0-";
   const std::size_t whole = http_get(port(), "/openapi.json").body.size();
   std::string ranges;
   for (int i = 0; i < 600; ++i) ranges += ",0-";
@@ -108,19 +108,19 @@ TEST_F(GuardTest, ranges_by_the_hundred) {
 
 TEST_F(GuardTest, long_paths) {
   for (const std::size_t length : {999u, 1001u, 4000u, 4200u, 100'000u}) {
-    const int status =
-        status_of("GET /v1/results/" + std::string(length - 12, '%') + " HTTP/1.1\r\n\r\n");
+    const int status = status_of("GET /v1/results/" + std::string(length - 12, '%') +
+                                 " HTTP/1.1\r\nHost: x\r\n\r\n");
     EXPECT_EQ(status, length < 1000 ? 404 : 414) << length;
   }
 }
 
 TEST_F(GuardTest, requests_in_requests) {
-  const std::string hidden = "GET /v1/examples HTTP/1.1\r\n\r\n";
+  const std::string hidden = "GET /v1/examples HTTP/1.1\r\nHost: x\r\n\r\n";
   const std::string length = "Content-Length: " + std::to_string(hidden.size()) + "\r\n";
   for (const std::string& head : std::vector<std::string>{
-           "GET /healthz HTTP/1.1\r\n" + length + "\r\n",
-           "DELETE /healthz HTTP/1.1\r\n" + length + "\r\n",
-           "GET /healthz HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\n",
+           "GET /healthz HTTP/1.1\r\nHost: x\r\n" + length + "\r\n",
+           "DELETE /healthz HTTP/1.1\r\nHost: x\r\n" + length + "\r\n",
+           "GET /healthz HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\n\r\n",
            post_head("/healthz", length + "Transfer-Encoding: chunked\r\n"),
            post_head("/healthz", length + length),
            post_head("/healthz", "Transfer-Encoding: chunked\r\nTransfer-Encoding: x\r\n"),
@@ -136,14 +136,15 @@ TEST_F(GuardTest, requests_in_requests) {
 TEST_F(GuardTest, a_client_cannot_say_who_it_is_nor_write_the_log) {
   HttpConnection connection(port());
   connection.send(
-      "GET /healthz HTTP/1.1\r\nREMOTE_ADDR: 10.1.2.3\r\nX-Request-Id: a%0d%0aX-Evil: b\r\n\r\n");
+      "GET /healthz HTTP/1.1\r\nHost: x\r\nREMOTE_ADDR: 10.1.2.3\r\nX-Request-Id: a%0d%0aX-Evil: "
+      "b\r\n\r\n");
   const HttpReply reply = connection.receive();
   EXPECT_EQ(reply.status, 200);
   EXPECT_EQ(reply.headers.count("x-evil"), 0u);
   EXPECT_EQ(reply.headers.at("x-request-id").find('%'), std::string::npos);
-  connection.send("GET /v1/\"quote HTTP/1.1\r\nX-Request-Id: from-the-proxy.7\r\n\r\n");
+  connection.send("GET /v1/\"quote HTTP/1.1\r\nHost: x\r\nX-Request-Id: from-the-proxy.7\r\n\r\n");
   EXPECT_EQ(connection.receive().headers.at("x-request-id"), "from-the-proxy.7");
-  EXPECT_EQ(status_of("GET / HTTP/1.1\r\nX: \x01\r\n\r\n"), 400);
+  EXPECT_EQ(status_of("GET / HTTP/1.1\r\nHost: x\r\nX: \x01\r\n\r\n"), 400);
   EXPECT_EQ(server.stop(SIGTERM), 0);
   stopped = true;
   std::istringstream log(read_file(log_file()));
@@ -163,7 +164,8 @@ TEST_F(GuardTest, no_coding_but_gzip_and_only_where_it_pays) {
   const HttpReply plain = http_get(port(), target);
   const auto asked = [&](const std::string& codings, const std::string& path) {
     HttpConnection connection(port());
-    connection.send("GET " + path + " HTTP/1.1\r\nAccept-Encoding: " + codings + "\r\n\r\n");
+    connection.send("GET " + path + " HTTP/1.1\r\nHost: x\r\nAccept-Encoding: " + codings +
+                    "\r\n\r\n");
     return connection.receive();
   };
   for (const char* codings : {"br", "zstd", "gzip;q=0", "identity", "*;q=0.0", "nonsense;;,"}) {
@@ -186,14 +188,15 @@ TEST_F(GuardTest, no_coding_but_gzip_and_only_where_it_pays) {
 /// More clients of every slow kind than there are threads, which is one.
 TEST_F(GuardTest, clients_that_wait_drip_or_do_not_read) {
   std::vector<std::unique_ptr<HttpConnection>> others;
-  const char* beginnings[] = {"", "GET /healthz HT", "GET /openapi.json HTTP/1.1\r\n\r\n",
-                              "POST /v1/contours HTTP/1.1\r\nContent-Length: 9\r\n\r\n{"};
+  const char* beginnings[] = {
+      "", "GET /healthz HT", "GET /openapi.json HTTP/1.1\r\nHost: x\r\n\r\n",
+      "POST /v1/contours HTTP/1.1\r\nHost: x\r\nContent-Length: 9\r\n\r\n{"};
   for (int i = 0; i < 200; ++i) {
     others.push_back(std::make_unique<HttpConnection>(port()));
     others.back()->send(beginnings[i % 4]);
   }
   for (int i = 0; i < 20; ++i) EXPECT_EQ(http_get(port(), "/healthz").status, 200);
-  others[1]->send("TP/1.1\r\n\r\n");
+  others[1]->send("TP/1.1\r\nHost: x\r\n\r\n");
   EXPECT_EQ(others[1]->receive().status, 200);
   others[3]->send("       }");
   EXPECT_EQ(others[3]->receive().status, 415);
@@ -203,7 +206,7 @@ TEST_F(GuardTest, requests_that_come_together_are_answered_in_turn) {
   HttpConnection connection(port());
   std::string bytes;
   for (int i = 0; i < 20; ++i)
-    bytes += "GET /healthz HTTP/1.1\r\nX-Request-Id: r" + std::to_string(i) + "\r\n\r\n";
+    bytes += "GET /healthz HTTP/1.1\r\nHost: x\r\nX-Request-Id: r" + std::to_string(i) + "\r\n\r\n";
   json request = ball_request();
   request["store"] = false;
   const std::string body = request.dump();
@@ -211,7 +214,7 @@ TEST_F(GuardTest, requests_that_come_together_are_answered_in_turn) {
                      "X-Request-Id: r20\r\nContent-Type: application/json\r\n"
                      "Content-Length: " +
                          std::to_string(body.size()) + "\r\n") +
-           body + "GET /v1/examples HTTP/1.1\r\nX-Request-Id: r21\r\n\r\n";
+           body + "GET /v1/examples HTTP/1.1\r\nHost: x\r\nX-Request-Id: r21\r\n\r\n";
   connection.send(bytes);
   for (int i = 0; i < 22; ++i) {
     const HttpReply reply = connection.receive();

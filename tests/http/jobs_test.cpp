@@ -84,16 +84,16 @@ TEST_F(JobsOverHttp, are_joined_move_and_are_dismissed) {
   EXPECT_EQ(second.headers.at("location"), location);
   wait_for(location, [](const json& report) { return report["progress"] > 0.0; });
   HttpConnection events(server.port());
-  events.send("GET " + location + "/events HTTP/1.1\r\n\r\n");
+  events.send("GET " + location + "/events HTTP/1.1\r\nHost: x\r\n\r\n");
   EXPECT_EQ(events.receive().headers.at("content-type"), "text/event-stream");
   // The one thread takes up what has come in its order: so this one joins before the next cancels.
   HttpConnection waits(server.port()), cancels(server.port());
   for (HttpConnection* known : {&waits, &cancels}) {
-    known->send("GET /healthz HTTP/1.1\r\n\r\n");
+    known->send("GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n");
     EXPECT_EQ(known->receive().status, 200);
   }
   waits.send(post_bytes(long_request(), "Content-Type: application/json\r\n"));
-  cancels.send("DELETE " + location + " HTTP/1.1\r\n\r\n");
+  cancels.send("DELETE " + location + " HTTP/1.1\r\nHost: x\r\n\r\n");
   EXPECT_EQ(cancels.receive().status, 200);
   EXPECT_EQ(waits.receive().status, 503);
   EXPECT_EQ(wait_for(location, ended)["status"], "dismissed");
@@ -101,7 +101,7 @@ TEST_F(JobsOverHttp, are_joined_move_and_are_dismissed) {
   EXPECT_NE(stream.find("event: job\ndata: {\"id\":"), stream.npos) << stream;
   EXPECT_NE(stream.find("id: end\nevent: end\ndata: "), stream.npos) << stream;
   HttpConnection again(server.port());
-  again.send("GET " + location + "/events HTTP/1.1\r\nLast-Event-ID: end\r\n\r\n");
+  again.send("GET " + location + "/events HTTP/1.1\r\nHost: x\r\nLast-Event-ID: end\r\n\r\n");
   EXPECT_EQ(again.receive().status, 204);
   EXPECT_EQ(job(location, "DELETE")["status"], "dismissed");
 }
@@ -170,7 +170,7 @@ TEST_F(JobsOverHttp, are_followed_from_another_server) {
   EXPECT_EQ(seen.status, 200);
   EXPECT_EQ(json::parse(seen.body)["result"], nullptr);
   HttpConnection events(two.port());
-  events.send("GET " + location + "/events HTTP/1.1\r\n\r\n");
+  events.send("GET " + location + "/events HTTP/1.1\r\nHost: x\r\n\r\n");
   EXPECT_EQ(events.receive().status, 200);
   EXPECT_NE(events.receive_rest().find("event: end\ndata: "), std::string::npos);
   const json report = json::parse(http_get(two.port(), location).body);
@@ -234,12 +234,12 @@ TEST_F(JobsOverHttp, results_are_kept_by_caches) {
     const HttpReply first = http_get(server.port(), target);
     EXPECT_NE(first.headers.at("cache-control").find("immutable"), std::string::npos);
     HttpConnection connection(server.port());
-    connection.send("GET " + target + " HTTP/1.1\r\nIf-None-Match: " + first.headers.at("etag") +
-                    "\r\n\r\n");
+    connection.send("GET " + target + " HTTP/1.1\r\nHost: x\r\nIf-None-Match: " +
+                    first.headers.at("etag") + "\r\n\r\n");
     const HttpReply second = connection.receive();
     EXPECT_EQ(second.status, 304);
     EXPECT_EQ(second.headers.at("etag"), first.headers.at("etag"));
-    connection.send("GET /healthz HTTP/1.1\r\n\r\n");
+    connection.send("GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n");
     EXPECT_EQ(connection.receive().headers.at("cache-control"), "no-store");
   }
 }
@@ -253,7 +253,8 @@ TEST_F(JobsOverHttp, downloads_that_are_broken_off) {
   ASSERT_GT(whole.body.size(), 500'000u);
   for (int i = 0; i < 20; ++i) {
     HttpConnection connection(server.port());
-    connection.send("GET " + answer["files"]["csv"].get<std::string>() + " HTTP/1.1\r\n\r\n");
+    connection.send("GET " + answer["files"]["csv"].get<std::string>() +
+                    " HTTP/1.1\r\nHost: x\r\n\r\n");
   }
   EXPECT_EQ(http_get(server.port(), answer["files"]["csv"]).body, whole.body);
 }

@@ -96,7 +96,7 @@ TEST(KilledServer, leaves_whole_files_and_all_that_it_answered) {
   EXPECT_EQ(ids.size(), stored);  // none was broken, so none was swept away
   HttpConnection client(again.port());
   const auto get = [&](const std::string& target) {
-    EXPECT_TRUE(client.send("GET " + target + " HTTP/1.1\r\n\r\n"));
+    EXPECT_TRUE(client.send("GET " + target + " HTTP/1.1\r\nHost: x\r\n\r\n"));
     return client.receive();
   };
   for (const std::string& id : ids) EXPECT_EQ(get("/v1/results/" + id + ".csv").status, 200) << id;

@@ -110,14 +110,14 @@ TEST_F(ServerTest, bodies_over_the_limit_are_413) {
 
 TEST_F(ServerTest, a_body_left_over_is_not_the_next_request) {
   HttpConnection connection(port());
-  const std::string smuggled = "GET /healthz HTTP/1.1\r\n\r\n";
+  const std::string smuggled = "GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n";
   for (const auto& [target, status] : {std::pair("/v1/nothing", 404), {"/healthz", 405}}) {
     connection.send(
         post_head(target, "Content-Length: " + std::to_string(smuggled.size()) + "\r\n") +
         smuggled);
     EXPECT_EQ(connection.receive().status, status);
   }
-  connection.send("GET /v1/examples HTTP/1.1\r\n\r\n");
+  connection.send("GET /v1/examples HTTP/1.1\r\nHost: x\r\n\r\n");
   EXPECT_NE(connection.receive().body.find("examples"), std::string::npos);
 }
 
@@ -198,9 +198,9 @@ TEST_F(ServerTest, odd_heads) {
       {"\r\n\r\n", 400},
       {"GET\r\n\r\n", 400},
       {"GET / HTTP/9.9\r\n\r\n", 505},
-      {"GET  /healthz  HTTP/1.1\r\n\r\n", 400},
-      {"GET /healthz HTTP/1.1\r\n: x\r\n\r\n", 400},
-      {"GET /healthz HTTP/1.1\r\nRange: bytes=9-1\r\n\r\n", 200},
+      {"GET  /healthz  HTTP/1.1\r\nHost: x\r\n\r\n", 400},
+      {"GET /healthz HTTP/1.1\r\nHost: x\r\n: x\r\n\r\n", 400},
+      {"GET /healthz HTTP/1.1\r\nHost: x\r\nRange: bytes=9-1\r\n\r\n", 200},
       {std::string(9'000, 'A') + "\r\n\r\n", 400},
       {std::string("\xff\xfe\0\x01\r\n\r\n", 8), 400}};
   for (const auto& [head, status] : heads) {
@@ -213,7 +213,7 @@ TEST_F(ServerTest, odd_heads) {
 TEST_F(ServerTest, a_connection_takes_many_requests) {
   HttpConnection connection(port());
   for (int i = 0; i < 300; ++i) {
-    connection.send("GET /healthz HTTP/1.1\r\n\r\n");
+    connection.send("GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n");
     ASSERT_EQ(connection.receive().status, 200);
   }
 }
@@ -232,7 +232,7 @@ TEST_F(ServerTest, stops_when_asked) {
 TEST_F(ServerTest, does_not_wait_for_idle_connections) {
   ServerProcess other(folder.path() / "other", {"--grace", "3600000"});
   HttpConnection silent(other.port()), idle(other.port());
-  idle.send("GET /healthz HTTP/1.1\r\n\r\n");
+  idle.send("GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n");
   EXPECT_EQ(idle.receive().status, 200);
   EXPECT_EQ(other.stop(SIGTERM), 0);
   EXPECT_TRUE(idle.closed_by_server());

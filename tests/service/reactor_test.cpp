@@ -53,7 +53,7 @@ class Client {
   Descriptor socket_;
 };
 
-const std::string kGet = "GET /a HTTP/1.1\r\n\r\n";
+const std::string kGet = "GET /a HTTP/1.1\r\nHost: x\r\n\r\n";
 
 void echo(HttpRequest request, const std::shared_ptr<Exchange>& exchange) {
   if (request.refusal) {
@@ -101,8 +101,8 @@ TEST(Reactor, answers_what_comes_at_once_in_its_order) {
   const Client client(reactor);
   std::string bytes;
   for (int i = 0; i < 100; ++i)
-    bytes += "POST /" + std::to_string(i) + " HTTP/1.1\r\nContent-Length: 2\r\n\r\nxy";
-  client.send(bytes + "GET /last HTTP/1.1\r\nConnection: close\r\n\r\n");
+    bytes += "POST /" + std::to_string(i) + " HTTP/1.1\r\nHost: x\r\nContent-Length: 2\r\n\r\nxy";
+  client.send(bytes + "GET /last HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n");
   const std::string answers = client.receive_all();
   std::size_t at = 0;
   for (int i = 0; i < 100; ++i) {
@@ -128,8 +128,9 @@ TEST(Reactor, one_thread_serves_others_beside_those_who_are_idle_or_slow) {
   std::vector<std::unique_ptr<Client>> others;
   for (int i = 0; i < 40; ++i) {
     others.push_back(std::make_unique<Client>(reactor));
-    const char* beginnings[] = {"", "GET /a HT", "POST /a HTTP/1.1\r\nContent-Length: 9\r\n\r\nab",
-                                "GET /big HTTP/1.1\r\n\r\n", "GET /later HTTP/1.1\r\n\r\n"};
+    const char* beginnings[] = {
+        "", "GET /a HT", "POST /a HTTP/1.1\r\nHost: x\r\nContent-Length: 9\r\n\r\nab",
+        "GET /big HTTP/1.1\r\nHost: x\r\n\r\n", "GET /later HTTP/1.1\r\nHost: x\r\n\r\n"};
     others.back()->send(beginnings[i % 5]);
   }
   const Client client(reactor);
@@ -137,7 +138,7 @@ TEST(Reactor, one_thread_serves_others_beside_those_who_are_idle_or_slow) {
     client.send(kGet);
     EXPECT_TRUE(client.receive_until("/a=;").ends_with("/a=;"));
   }
-  others[1]->send("TP/1.1\r\n\r\n");  // it was slow, not lost
+  others[1]->send("TP/1.1\r\nHost: x\r\n\r\n");  // it was slow, not lost
   EXPECT_TRUE(others[1]->receive_until("/a=;").ends_with("/a=;"));
   const auto later = [&] {
     const std::lock_guard lock(mutex);
@@ -157,7 +158,7 @@ TEST(Reactor, who_takes_too_long_is_told_so) {
   Reactor other(echo, quick_when_idle);
   const Client head(reactor), body(reactor), idle(reactor), used(other);
   head.send("GET /a HT");
-  body.send("POST /a HTTP/1.1\r\nContent-Length: 9\r\n\r\nab");
+  body.send("POST /a HTTP/1.1\r\nHost: x\r\nContent-Length: 9\r\n\r\nab");
   used.send(kGet);
   EXPECT_TRUE(head.receive_all().starts_with("HTTP/1.1 408 "));
   EXPECT_TRUE(body.receive_all().starts_with("HTTP/1.1 408 "));
@@ -191,7 +192,7 @@ TEST(Reactor, the_longest_idle_makes_room) {
   EXPECT_EQ(first.receive_all(), "");
   fourth.send(kGet);
   EXPECT_TRUE(fourth.receive_until(";").ends_with("/a=;"));
-  second.send("TP/1.1\r\n\r\n");
+  second.send("TP/1.1\r\nHost: x\r\n\r\n");
   EXPECT_TRUE(second.receive_until(";").ends_with("/a=;"));
 }
 
@@ -203,7 +204,7 @@ TEST(Reactor, bodies_together_are_bounded) {
   int refused = 0;
   for (int i = 0; i < 8; ++i) {
     clients.push_back(std::make_unique<Client>(reactor));
-    clients.back()->send("POST /a HTTP/1.1\r\nContent-Length: 8000000\r\n\r\n");
+    clients.back()->send("POST /a HTTP/1.1\r\nHost: x\r\nContent-Length: 8000000\r\n\r\n");
     std::thread sender([&] { clients.back()->send(std::string(400'000, 'x')); });
     sender.join();
   }
@@ -281,13 +282,13 @@ TEST(Reactor, streams_events_on_no_thread_and_only_so_many) {
       },
       options);
   Client endless(reactor);
-  endless.send("GET /endless HTTP/1.1\r\n\r\n");
+  endless.send("GET /endless HTTP/1.1\r\nHost: x\r\n\r\n");
   EXPECT_NE(endless.receive_until("data: 2\n\n").find("text/event-stream"), std::string::npos);
   const Client three(reactor);
-  three.send("GET /3 HTTP/1.1\r\n\r\n");
+  three.send("GET /3 HTTP/1.1\r\nHost: x\r\n\r\n");
   three.receive_until("data: 1\n\n");
   const Client refused(reactor);
-  refused.send("GET /3 HTTP/1.1\r\n\r\n");
+  refused.send("GET /3 HTTP/1.1\r\nHost: x\r\n\r\n");
   EXPECT_TRUE(refused.receive_until("\r\n\r\n").starts_with("HTTP/1.1 503 "));
   EXPECT_TRUE(three.receive_all().ends_with("data: 3\n\n"));
   const Client other(reactor);
