@@ -19,24 +19,6 @@ constexpr double kReceiverEndShare = 1e-12;
 constexpr double kOwnShare = 1e-7;
 constexpr double kOwnRoundings = 1e3;
 
-// Distance from the aperture's edge, < 0 inside.
-double margin_of(const std::vector<geometry::Bound>& bounds, const Point& x) {
-  double worst = -geometry::kInfinity;
-  for (const auto& bound : bounds) worst = std::max(worst, bound.distance(x));
-  return worst;
-}
-
-// Least distance at which a function of this size may vanish that changes as g does, to second
-// order: |g| <= |∇g| δ + ½ |H| δ² solved for δ. A first-order distance is too large inside of
-// curved surfaces.
-double distance_from(double g, const geometry::SurfaceDerivatives& d, double growth) {
-  const double slope = d.gradient.norm();
-  return 2.0 * g / (slope + std::sqrt(slope * slope + 2.0 * growth * g * d.hessian.norm()));
-}
-// How much larger the Hessian may be on the way than where it is asked; it is constant for
-// quadrics.
-constexpr double kHessianGrowth = 6.0;
-
 }  // namespace
 
 Visibility::Visibility(const OpticalSystem& system, const geometry::EmbreeScene* candidates,
@@ -59,16 +41,6 @@ double Sight::used(const LightPath& from, const LightPath& to) const {
   }
   return most;
 }
-
-namespace {
-
-Sight::Use either(const Sight::Use& a, const Sight::Use& b) {
-  return {std::max(a.by_begin, b.by_begin), std::max(a.by_end, b.by_end)};
-}
-
-double total(const Sight::Use& use) { return use.by_begin + use.by_end; }
-
-}  // namespace
 
 // From the light to the first surface, looked at the other way; then as light goes.
 Visibility::Way Visibility::way(const Hops& hops, const LightPath& path) const {
@@ -102,7 +74,7 @@ Sight Visibility::look(const Hops& hops, const LightPath& path) const {
   const Room lit = room(light.segments[0]);
   Sight sight{lit.hidden, Ending::shadow, {}};
   sight.use[0].by_end = lit.use.by_begin;  // that segment was looked along the other way
-  double least = total(lit.use);
+  double least = lit.use.total();
   // Hidden for as long as one segment is: the one that is so the furthest.
   for (int j = 1; j < light.count; ++j) {
     const Room seen = room(light.segments[j]);
@@ -110,10 +82,10 @@ Sight Visibility::look(const Hops& hops, const LightPath& path) const {
       sight = {true, Ending::occlusion, {}};
       least = geometry::kInfinity;
     }
-    if (sight.hidden && !(seen.hidden && total(seen.use) < least)) continue;
+    if (sight.hidden && !(seen.hidden && seen.use.total() < least)) continue;
     if (sight.hidden) {
       sight.use = {};
-      least = total(seen.use);
+      least = seen.use.total();
     }
     sight.use[j] = seen.use;
   }
@@ -166,8 +138,8 @@ void Visibility::crossings(const Segment& segment, int index, RayParameters& roo
   if (target) erase_at(1.0);
 }
 
-Visibility::Room Visibility::room(const Segment& segment) const {
-  Sight::Use free, depth{geometry::kInfinity, geometry::kInfinity};
+Room Visibility::room(const Segment& segment) const {
+  RoomUse free, depth{geometry::kInfinity, geometry::kInfinity};
   bool hidden = false;
   // Free of all surfaces, or hidden as long as it is by one of them.
   const auto ask = [&](int surface) {
@@ -175,7 +147,7 @@ Visibility::Room Visibility::room(const Segment& segment) const {
     hidden |= r.hidden;
     if (!r.hidden)
       free = either(free, r.use);
-    else if (total(r.use) < total(depth))
+    else if (r.use.total() < depth.total())
       depth = r.use;
   };
   if (candidates_) {
@@ -190,112 +162,16 @@ Visibility::Room Visibility::room(const Segment& segment) const {
   return hidden ? Room{true, depth} : Room{false, free};
 }
 
-Visibility::Room Visibility::room(const Segment& segment, int index) const {
+Room Visibility::room(const Segment& segment, int index) const {
   const auto& surface = system_.surfaces()[index];
-  const auto& shape = surface.shape;
-  const auto& bounds = surface.bounds;
-  const auto& region = surface.region;
-  const Ray& ray = segment.ray;
-  const bool own = index == segment.own, target = index == segment.target;
-  if (!own && !region.may_meet(ray, margin_)) return {false, {1.0 / margin_, 1.0 / margin_}};
+  if (index != segment.own && !surface.region.may_meet(segment.ray, margin_))
+    return {false, {1.0 / margin_, 1.0 / margin_}};
   if (free_of_own(segment, index)) return {};
-  thread_local RayParameters roots, still;
+  thread_local RayParameters roots;
   roots.clear();
-  still.clear();
-  const double length = ray.direction.norm();
   crossings(segment, index, roots);
-  shape->stationary(ray, 0.0, 1.0, still);
-
-  // A place on the segment: how far the surface is, and how far the aperture's edge.
-  struct Place {
-    geometry::SurfaceDerivatives d;
-    double distance, margin;
-  };
-  const double growth = shape->at_most_quadratic() ? 1.0 : kHessianGrowth;
-  const auto place = [&](double t) {
-    const Point y = ray.at(t);
-    const auto d = shape->derivatives(y);
-    return Place{d, distance_from(std::abs(d.g), d, growth),
-                 std::max(margin_of(bounds, y), -length)};
-  };
-  // Motion sideways until a crossing or a touch has moved to the edge. At grazing incidence that is
-  // less than the way: as much as g changes on it, which is at least `rise`.
-  const Vec3 along = ray.direction / length;
-  const auto to_edge = [&](const Place& at, double rise) {
-    return std::min(std::abs(at.margin), distance_from(std::abs(at.d.g) + rise, at.d, growth));
-  };
-  // Half the slope is left in the middle between a crossing and where the segment would touch.
-  const auto slope_rise = [&](const Place& at) {
-    return 0.5 * std::abs(at.margin * at.d.gradient.dot(along));
-  };
-  // A distance c that places in [lo, hi] of the segment have to move: one at t moves by 1 − t of
-  // what the beginning does and by t of what the end does.
-  const bool turns = std::holds_alternative<PointLight>(system_.light());
-  const auto use_of = [&](double c, double lo, double hi) -> Sight::Use {
-    const double rate = 1.0 / std::max(c, 1e-300);
-    lo = std::max(lo, 0.0);
-    hi = std::min(hi, 1.0);
-    if (segment.end_moves) return {(1.0 - lo) * rate, hi * rate};
-    return {turns ? (1.0 - lo) * rate : rate, 0.0};
-  };
-  Sight::Use free, depth{geometry::kInfinity, geometry::kInfinity};
-  bool hidden = false;
-  const auto meet = [&](const Place& at, double rise, double lo, double hi) {
-    const double c = at.margin > 0.0 ? std::max(at.distance, to_edge(at, rise)) : at.distance;
-    free = either(free, use_of(c, lo, hi));
-  };
-
-  const Place end = place(1.0);
-  const double first_still = still.empty() ? 1.0 : still.front();
-  const double last_still = still.empty() ? 0.0 : still.back();
-  Sight::Use ends;
-  if (!segment.end_moves) {
-    // A light does not cross the surface, but near it the segment may come to touch: not before it
-    // has turned about the light into the surface's tangent plane there.
-    Place light = end;
-    const double sine = std::abs(end.d.gradient.dot(along)) / end.d.gradient.norm();
-    light.distance = std::max(end.distance, length * sine);
-    meet(light, slope_rise(light), 0.0, 1.0);
-  } else if (!target) {
-    meet(end, slope_rise(end), last_still, 1.0);
-  }
-  if (!target) ends = use_of(end.distance, 1.0, 1.0);
-  if (!own) {
-    const Place origin = place(0.0);
-    ends = either(ends, use_of(origin.distance, 0.0, 0.0));
-    meet(origin, slope_rise(origin), 0.0, first_still);
-  }
-  for (std::size_t i = 0; i < still.size(); ++i) {
-    const Place at = place(still[i]);
-    const double bend = along.dot(at.d.hessian * along);
-    // Only where |g| has a minimum does the segment come near without crossing; it is no smaller up
-    // to the neighbours.
-    if (at.d.g * bend > 0.0) {
-      meet(at, 0.5 * at.margin * at.margin * std::abs(bend), i > 0 ? still[i - 1] : 0.0,
-           i + 1 < still.size() ? still[i + 1] : 1.0);
-    }
-  }
-  for (const double t : roots) {
-    if (t <= segment.begin) continue;
-    const Place at = place(t);
-    const double slide = std::abs(at.margin) / length;
-    const Sight::Use edge = use_of(to_edge(at, slope_rise(at)), t - slide, t + slide);
-    if (at.margin > 0.0) {
-      free = either(free, edge);
-    } else if (t < segment.end) {
-      // Free again once the crossing leaves the aperture, meets a neighbour or passes an end.
-      Sight::Use out = either(ends, edge);
-      const auto next = std::lower_bound(still.begin(), still.end(), t);
-      if (next != still.end()) out = either(out, use_of(place(*next).distance, *next, *next));
-      if (next != still.begin()) {
-        const double before = *std::prev(next);
-        out = either(out, use_of(place(before).distance, before, before));
-      }
-      hidden = true;
-      if (total(out) < total(depth)) depth = out;
-    }
-  }
-  return hidden ? Room{true, depth} : Room{false, free};
+  const bool beam = !std::holds_alternative<PointLight>(system_.light());
+  return room_before(surface, index, segment, beam, roots);
 }
 
 bool Lookout::hidden(const LightPath& path) {

@@ -1,6 +1,7 @@
-// What surfaces hide: the way from the light to the first surface (shadow), from each surface to the
-// next and from the last to the receiver (occlusion), by any surface, those of the path included.
-// Decided in double precision on the exact surfaces; Embree proposes candidates where there are many.
+// What surfaces hide: the way from the light to the first surface (shadow), from each surface to
+// the next and from the last to the receiver (occlusion), by any surface, those of the path
+// included. Decided in double precision on the exact surfaces; Embree proposes candidates where
+// there are many.
 #pragma once
 
 #include <array>
@@ -10,6 +11,7 @@
 #include "geometry/embree_scene.h"
 #include "solver/contours.h"
 #include "solver/forward_map.h"
+#include "solver/room.h"
 
 namespace caustic::solver {
 
@@ -32,12 +34,8 @@ struct LightPath {
 struct Sight {
   bool hidden = false;
   Ending ending = Ending::shadow;  ///< by what kind of segment it is hidden, or could be
-  /// Of the segment that ends at point j of the path: how much of its room a motion of its
-  /// beginning and of its end uses, 1/m. The first begins at the light.
-  struct Use {
-    double by_begin = 0.0, by_end = 0.0;
-  };
-  std::array<Use, kMaxHops + 1> use{};
+  /// Of the segment that ends at point j of the path; the first begins at the light.
+  std::array<RoomUse, kMaxHops + 1> use{};
 
   /// The share of the room used by moving from the path that was looked at to another one.
   double used(const LightPath& from, const LightPath& to) const;
@@ -66,18 +64,6 @@ class Visibility {
   std::vector<Meeting> meetings(const Hops& hops, const LightPath& path) const;
 
  private:
-  struct Segment {
-    geometry::Ray ray;  // t in [0, 1]
-    double end;         // blocked only before this t
-    bool end_moves;     // a point light's does not, and a beam's moves with the beginning
-    int own;            // index of the surface it starts on
-    int target = -1;    // index of the surface it ends on, if it does
-    double begin = 0.0;  // and only after this one
-  };
-  struct Room {
-    bool hidden = false;
-    Sight::Use use;  // of the segment's own beginning and end
-  };
   struct Way {
     std::array<Segment, kMaxHops + 1> segments;
     int count = 0;
