@@ -26,11 +26,14 @@ bool is_free(const fs::path& path) {
 
 }  // namespace
 
+JobFiles::JobFiles(fs::path folder) : folder_(std::move(folder)) {
+  if (fs::is_directory(folder_)) sweep();
+}
+
 void JobFiles::open_folder() {
   const std::lock_guard lock(mutex_);
   if (lock_) return;
   fs::create_directories(folder_);
-  sweep();
   owner_ = random_id();
   const fs::path path = folder_ / (owner_ + std::string(kServerSuffix));
   lock_ = Descriptor(::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0644));

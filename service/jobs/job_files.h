@@ -15,8 +15,8 @@ namespace caustic::service {
 
 class JobFiles {
  public:
-  /// The folder is made when the first job is written.
-  explicit JobFiles(std::filesystem::path folder) : folder_(std::move(folder)) {}
+  /// The folder is made when the first job is written. What killed servers left in it is swept now.
+  explicit JobFiles(std::filesystem::path folder);
   ~JobFiles();
   JobFiles(const JobFiles&) = delete;
   JobFiles& operator=(const JobFiles&) = delete;
