@@ -197,7 +197,7 @@ std::optional<HttpRequest> Reactor::Connection::begin_request(HttpRequest reques
 std::optional<HttpRequest> Reactor::Connection::refuse(int status, const char* detail) {
   HttpRequest request;
   request.refusal = make_problem(status, detail);
-  reader_ = RequestReader(core_->options.max_body);
+  reader_.reset();
   return begin_request(std::move(request));
 }
 

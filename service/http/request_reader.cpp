@@ -38,6 +38,12 @@ void RequestReader::drop_consumed() {
   if (buffer_.empty() && (state_ == State::head || whole_)) release(buffer_);  // idle holds nothing
 }
 
+/// Assigned to, the strings would keep what they have allocated.
+void RequestReader::reset() {
+  RequestReader fresh(max_body_);
+  std::swap(*this, fresh);
+}
+
 bool RequestReader::step() {
   switch (state_) {
     case State::head:

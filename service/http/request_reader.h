@@ -22,6 +22,9 @@ class RequestReader {
   /// a next one would begin is not known. Nothing if more bytes are needed.
   std::optional<HttpRequest> next();
 
+  /// Forgets all that has come, and frees its memory.
+  void reset();
+
   /// True, once, if the client waits for "100 Continue" before it sends the body.
   bool take_expectation() { return std::exchange(expectation_, false); }
   /// False if the connection has to end after the request that came last.

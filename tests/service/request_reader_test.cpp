@@ -221,6 +221,17 @@ TEST(RequestReader, a_body_without_end_is_refused) {
   EXPECT_EQ(status_of(post("Content-Length: 1000000000\r\n", "")), 413);
 }
 
+TEST(RequestReader, holds_nothing_once_it_is_reset) {
+  RequestReader reader(1u << 20);
+  reader.feed(post("Content-Length: 600000\r\n", std::string(400'000, 'x')));
+  EXPECT_FALSE(reader.next());
+  EXPECT_GE(reader.held(), 400'000u);
+  reader.reset();
+  EXPECT_EQ(reader.held(), RequestReader(1).held());
+  reader.feed(get(""));
+  EXPECT_EQ(reader.next()->method, "GET");
+}
+
 TEST(RequestReader, leaves_out_names_that_a_gateway_would_take_for_others) {
   RequestReader reader(kMaxBody);
   reader.feed(get("REMOTE_ADDR: 10.0.0.1\r\nContent_Length: 5\r\nA: %0d%0aB: c\r\n"));
