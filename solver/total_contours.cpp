@@ -94,7 +94,7 @@ class TotalTracer {
   void trace(int index, double level, int& rings);
   bool traced(const TotalSeed& seed, double level);
   void take(LevelArc arc, double level, std::vector<Drawn>& drawn);
-  bool hidden_on(const LevelArc& arc);
+  void cut_at_missed_edge(LevelArc& arc);
   void take(const JumpArc& jump, double level, std::vector<Drawn>& drawn);
   void take(Curve curve, std::vector<Drawn>& drawn);
   void take(const BoundaryPiece& piece);
@@ -165,20 +165,27 @@ void TotalTracer::take(Curve curve, std::vector<Drawn>& drawn) {
   drawn.push_back({std::move(curve), arc});
 }
 
-// A check of the edges of what hides: between its ends an arc must not pass one.
-bool TotalTracer::hidden_on(const LevelArc& arc) {
+// Between its ends an arc passes no edge: where it does, more than the tolerance, one has been
+// missed, and what comes behind is no total.
+void TotalTracer::cut_at_missed_edge(LevelArc& arc) {
+  const auto is_there = [&](const Branch& b) {
+    return carrier_.field(b.field).domain.worst(b.at).value <= chord_ &&
+           !carrier_.hidden(b.field, b.at);
+  };
   for (std::size_t i = 1; i + 1 < arc.vertices.size(); ++i) {
-    for (const Branch& b : arc.vertices[i].branches) {
-      if (carrier_.hidden(b.field, b.at)) return true;
-    }
+    const Branches& branches = arc.vertices[i].branches;
+    if (std::all_of(branches.begin(), branches.end(), is_there)) continue;
+    arc.vertices.resize(i);
+    arc.closed = false;
+    ++result_.unresolved;
+    return;
   }
-  return false;
 }
 
 void TotalTracer::take(LevelArc arc, double level, std::vector<Drawn>& drawn) {
   result_.unresolved += arc.stalled;
+  cut_at_missed_edge(arc);
   if (arc.vertices.size() < 2) return;
-  result_.unresolved += hidden_on(arc);
   if (observer_) observer_->level_arc(level, arc);
   Curve curve;
   curve.kind = CurveKind::isolux;

@@ -8,6 +8,7 @@
 #include "solver/contours.h"
 #include "solver/point_irradiance.h"
 #include "tests/support/contour_checks.h"
+#include "tests/support/scenes.h"
 #include "tests/support/strips.h"
 #include "tests/support/thorough.h"
 #include "tests/support/total_checks.h"
@@ -214,6 +215,22 @@ TEST(TotalContours, OfATorus) {
   expect_closed_rings(result, 8.0);
   expect_true_of_the_meter(system, result);
   expect_areas(system, result, 8e-4);
+}
+
+// Where an edge is missed, as next to this torus, the answer says so and arcs do not run on beyond
+// it: nothing is drawn off the receiver.
+TEST(TotalContours, StayOnTheReceiver) {
+  for (const Point& lamp : {Point(2.2672, 0.3021, 3.0), Point(2.0479, 1.117, 3.0)}) {
+    const auto system = test::one_mirror(PointLight{lamp, 1.0},
+                                         geometry::make_torus({0, 0, 0.4}, {0, 0, 1}, 1.0, 0.35),
+                                         test::floor_at({0, 0, 0}, 8, 8));
+    const double chord = 8e-4;
+    const auto result = total_of(system, {0.0012055, 0.00123265}, chord);
+    EXPECT_FALSE(result.curves.empty());
+    for (const auto& curve : result.curves) {
+      for (const auto& v : curve.vertices) EXPECT_LE(v.uv.cwiseAbs().maxCoeff(), 4.0 + chord);
+    }
+  }
 }
 
 }  // namespace
