@@ -108,8 +108,8 @@ function troubleOf(error: unknown): Pick<State, "faults" | "trouble"> {
 }
 
 /**
- * The same curves with fewer vertices. Where the total takes long, and was not asked for by name, its sheets: but
- * where they overlap they are the same, and they can follow.
+ * The same curves with fewer vertices. Where the total takes long, and was not asked for by name, its sheets: they
+ * can follow, and differ from it only where they overlap.
  */
 function coarsened(request: ContourRequest, slow: boolean): ContourRequest {
   const given = get(request, "/tolerance");
