@@ -82,7 +82,7 @@ TEST(KilledServer, leaves_whole_files_and_all_that_it_answered) {
   std::mt19937_64 random(20261122);
   std::vector<HttpReply> replies;
   for (int round = 0; round < rounds(); ++round) {
-    const auto answers = static_cast<int>(random() % kClients);
+    const auto answers = static_cast<int>(kClients / 4 + random() % (kClients / 2));
     const auto moment = std::chrono::microseconds(random() % 5000);
     for (HttpReply& reply : killed_while_posting(data, round, answers, moment))
       replies.push_back(std::move(reply));
