@@ -1,20 +1,22 @@
-// Light or dark: the system's choice until the user makes one.
+// Light or dark: the system's choice until the user makes one. The root says which, so that whatever is
+// drawn with the colours sees a change.
 import { kept } from "./storage";
 
 const KEY = "isocaustic-theme";
 
 export function addTheme(button: HTMLElement): void {
-  const dark = matchMedia("(prefers-color-scheme: dark)");
-  const stored = kept.get(KEY);
-  if (stored) document.documentElement.dataset["theme"] = stored;
-  const isDark = () => (document.documentElement.dataset["theme"] ?? (dark.matches ? "dark" : "light")) === "dark";
-  const say = () => button.setAttribute("aria-pressed", String(isDark()));
+  const system = matchMedia("(prefers-color-scheme: dark)");
+  const root = document.documentElement;
+  let chosen = kept.get(KEY);
+  const apply = () => {
+    root.dataset["theme"] = chosen ?? (system.matches ? "dark" : "light");
+    button.setAttribute("aria-pressed", String(root.dataset["theme"] === "dark"));
+  };
   button.addEventListener("click", () => {
-    const theme = isDark() ? "light" : "dark";
-    document.documentElement.dataset["theme"] = theme;
-    kept.set(KEY, theme);
-    say();
+    chosen = root.dataset["theme"] === "dark" ? "light" : "dark";
+    kept.set(KEY, chosen);
+    apply();
   });
-  dark.addEventListener("change", say);
-  say();
+  system.addEventListener("change", apply);
+  apply();
 }

@@ -60,7 +60,6 @@ export class Space {
     store.watch(["traced"], (state) => this.showCurves(state));
     store.watch(["reading", "fan"], (state) => this.showRays(state));
     store.watch(["stressed"], ({ stressed }) => this.stress(stressed));
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.recolour());
     new MutationObserver(() => this.recolour()).observe(document.documentElement, { attributeFilter: ["data-theme"] });
   }
 
