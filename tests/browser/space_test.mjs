@@ -1,6 +1,7 @@
 // The view in space: examples' surfaces and curves, rays, what is picked in one view shown in both.
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { deflateRawSync } from "node:zlib";
 import { settled, settledAfter, useBrowser } from "./support.mjs";
 
 const world = useBrowser();
@@ -55,6 +56,18 @@ test("what is under the pointer in space is read and stands out in the diagram",
   }
   assert.ok(stressed);
   await page.waitForFunction(() => /sheets/.test(document.querySelector("#reading").innerText));
+});
+
+test("an aperture by an expression cuts its surface", async () => {
+  const page = await opened("sphere-ceiling");
+  const whole = await number(page, "triangles");
+  const example = await (await fetch(`${world.base}/v1/examples/sphere-ceiling`)).json();
+  const [x] = example.scene.surfaces[0].shape.center;
+  example.scene.surfaces[0].aperture = [{ type: "expression", expression: `x - ${x}` }];
+  const scene = deflateRawSync(JSON.stringify(example)).toString("base64url");
+  await settledAfter(page, () => page.evaluate((hash) => (location.hash = hash), `#scene=${scene}`));
+  const half = await number(page, "triangles");
+  assert.ok(half > 0.45 * whole && half < 0.55 * whole, `${half} of ${whole}`);
 });
 
 test("it turns by keys", async () => {

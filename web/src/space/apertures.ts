@@ -1,21 +1,31 @@
-// Apertures as planes that cut: boxes and half spaces are that, cylinders nearly.
+// Apertures as planes that cut: boxes and half spaces are that, cylinders nearly. Expressions cut triangles.
 import { Plane, Vector3 } from "three";
-import type { Json, Vec3 } from "../contract";
+import type { Json, JsonObject, Vec3 } from "../contract";
 import { get, isObject } from "../pointer";
 import { cross, unit, vec3 } from "../scene";
+import { parseExpression, type Expression } from "./expression";
 
 const SIDES = 32; // of a cylinder
 
 const plane = (kept: Vec3, point: Vec3): Plane =>
   new Plane().setFromNormalAndCoplanarPoint(new Vector3(...kept), new Vector3(...point));
 
-/** The part of space that is kept lies on the positive side of all of them. */
-export function clippingPlanes(surface: Json): Plane[] {
+function partsOf(surface: Json): JsonObject[] {
   const parts = get(surface, "/aperture");
-  return Array.isArray(parts) ? parts.flatMap((part) => (isObject(part) ? planesOf(part) : [])) : [];
+  return Array.isArray(parts) ? parts.filter(isObject) : [];
 }
 
-function planesOf(part: { [key: string]: Json }): Plane[] {
+/** The part of space that is kept lies on the positive side of all of them. */
+export const clippingPlanes = (surface: Json): Plane[] => partsOf(surface).flatMap(planesOf);
+
+/** The part of space that is kept is where none of them is positive. */
+export const clippingExpressions = (surface: Json): Expression[] =>
+  partsOf(surface).flatMap((part) => {
+    const expression = part["type"] === "expression" ? parseExpression(String(part["expression"])) : null;
+    return expression ? [expression] : [];
+  });
+
+function planesOf(part: JsonObject): Plane[] {
   const [min, max, point] = [vec3(part["min"]), vec3(part["max"]), vec3(part["point"])];
   if (part["type"] === "box" && min && max)
     return [0, 1, 2].flatMap((i) => {

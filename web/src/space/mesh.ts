@@ -63,6 +63,28 @@ export function zeroMesh(g: Expression, low: Vec3, high: Vec3, cells = 48): Mesh
   return mesh;
 }
 
+/** The part of a mesh where f ≤ 0; triangles on which f changes sign are cut between their corners. */
+export function cutMesh({ positions, indices }: Mesh, f: Expression): Mesh {
+  const mesh: Mesh = { positions: [...positions], indices: [] };
+  const corner = (i: number) => positions.slice(3 * i, 3 * i + 3) as Vec3;
+  const values = Array.from({ length: positions.length / 3 }, (_, i) => f(...corner(i)));
+  const between = (i: number, j: number): number => {
+    const t = values[i]! / (values[i]! - values[j]!);
+    const [a, b] = [corner(i), corner(j)];
+    return mesh.positions.push(...a.map((x, c) => x + t * (b[c]! - x))) / 3 - 1;
+  };
+  for (let k = 0; k < indices.length; k += 3) {
+    const kept: number[] = []; // the corners of what is left, in their order
+    for (let side = 0; side < 3; ++side) {
+      const [i, j] = [indices[k + side]!, indices[k + ((side + 1) % 3)]!];
+      if (values[i]! <= 0) kept.push(i);
+      if (values[i]! <= 0 !== values[j]! <= 0 && Number.isFinite(values[i]! - values[j]!)) kept.push(between(i, j));
+    }
+    for (let c = 2; c < kept.length; ++c) mesh.indices.push(kept[0]!, kept[c - 1]!, kept[c]!);
+  }
+  return mesh;
+}
+
 /** The mean of the crossings on a cell's edges, in the cell; null if there are none. */
 function crossing(values: Float64Array, at: (i: number, j: number, k: number) => number, i: number, j: number, k: number): Vec3 | null {
   const sum: Vec3 = [0, 0, 0];

@@ -12,8 +12,9 @@ import { h } from "../dom";
 import { get, isObject } from "../pointer";
 import { add, dot, inWorld, length, minus, receiverOf, scaled, thingsOf, toPlane, unit, vec3, type Receiver } from "../scene";
 import type { State, Store } from "../state";
-import { clippingPlanes } from "./apertures";
+import { clippingExpressions, clippingPlanes } from "./apertures";
 import { linesOf } from "./lines";
+import { cutMesh, type Mesh as Triangles } from "./mesh";
 import { meshOf } from "./shapes";
 
 const ANGLE = Math.PI / 24; // of an arrow key
@@ -77,6 +78,7 @@ export class Space {
       .filter((body) => body !== null);
     this.bodies.add(...bodies, ...lightBodies(request, receiver, this.ink("--light")));
     this.canvas.dataset["bodies"] = String(bodies.length);
+    this.canvas.dataset["triangles"] = String(bodies.reduce((sum, body) => sum + body.geometry.index!.count / 3, 0));
     this.aim(receiver, bodies);
     this.draw();
   }
@@ -226,12 +228,14 @@ function clear(group: Group): void {
 
 function surfaceBody(surface: { [key: string]: Json }, reach: number): Mesh | null {
   const shape = surface["shape"];
-  const mesh = isObject(shape) ? meshOf(shape, reach) : null;
-  if (!mesh?.indices.length) return null;
+  const whole = isObject(shape) ? meshOf(shape, reach) : null;
+  if (!whole) return null;
+  const cuts = clippingExpressions(surface);
+  const mesh = cuts.reduce(cutMesh, posed(whole, poseOf(surface)));
+  if (!mesh.indices.length) return null;
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new BufferAttribute(new Float32Array(mesh.positions), 3));
   geometry.setIndex(mesh.indices);
-  geometry.applyMatrix4(poseOf(surface));
   geometry.computeVertexNormals();
   const kind = get(surface, "/optics/type");
   const glass = kind === "refract";
@@ -245,7 +249,8 @@ function surfaceBody(surface: { [key: string]: Json }, reach: number): Mesh | nu
     clippingPlanes: clippingPlanes(surface),
   });
   const body = new Mesh(geometry, material);
-  body.userData["bounded"] = BOUNDED.includes(String(get(surface, "/shape/type"))) || Boolean(material.clippingPlanes?.length);
+  const cut = cuts.length + material.clippingPlanes!.length > 0;
+  body.userData["bounded"] = cut || BOUNDED.includes(String(get(surface, "/shape/type")));
   return body;
 }
 
@@ -255,6 +260,11 @@ function poseOf(surface: Json): Matrix4 {
   const shift = vec3(get(surface, "/pose/translate")) ?? [0, 0, 0];
   const turn = new Quaternion().setFromAxisAngle(new Vector3(...axis), angle);
   return new Matrix4().compose(new Vector3(...shift), turn, new Vector3(1, 1, 1));
+}
+
+function posed({ positions, indices }: Triangles, pose: Matrix4): Triangles {
+  const points = new BufferAttribute(new Float64Array(positions), 3).applyMatrix4(pose);
+  return { positions: [...points.array], indices };
 }
 
 function receiverBody({ origin, u, v, normal, size }: Receiver, colour: string): Group {
