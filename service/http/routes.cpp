@@ -188,9 +188,14 @@ void Routes::dispatch(HttpRequest request, const std::shared_ptr<Exchange>& exch
   exchange->answer(std::move(response));
 }
 
-/// What would keep a thread from other clients for long.
+/// What would keep a thread from other clients for long. To find the zeros of an expression takes
+/// up to seconds; a key that is written with escapes may be its.
 bool Routes::is_chore(const Row& row, const Call& call) const {
-  if (call.request.body.size() > kLargeBody) return true;
+  const std::string& body = call.request.body;
+  if (body.size() > kLargeBody) return true;
+  if (row.handler == &Routes::post_contours &&
+      (body.find("\"expression\"") != body.npos || body.find('\\') != body.npos))
+    return true;
   return row.handler == &Routes::get_result &&
          store_.size_of(call.name.substr(0, call.name.find('.'))) > kLargeRecord;
 }

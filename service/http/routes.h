@@ -60,7 +60,8 @@ class Routes {
   const ResultStore& store_;
   Jobs& jobs_;
   const Metrics* metrics_;
-  /// For what takes long and is no computation: reading large bodies, writing large files.
+  /// For what takes long and is no computation: reading large bodies and expressions, writing large
+  /// files.
   static constexpr int kChoreThreads = 2;
   static constexpr std::size_t kMostChores = 256;
   Workers chores_{kChoreThreads, kMostChores};

@@ -102,6 +102,34 @@ TEST_F(RoutesTest, the_same_request_at_the_same_time_is_traced_once) {
   EXPECT_EQ(json::parse(bodies[1])["curves"].size(), 2u) << bodies[1];
 }
 
+class NotedThread : public Exchange {
+ public:
+  void answer(HttpResponse) override { answered.set_value(std::this_thread::get_id()); }
+  void on_leave(std::function<void()>) override {}
+
+  std::promise<std::thread::id> answered;
+};
+
+/// Zeros of expressions take long to find: the thread that serves clients does not look for them.
+TEST_F(RoutesTest, expressions_are_read_by_another_thread) {
+  const auto reader_of = [&](const json& shape, bool escaped = false) {
+    json request = ball_request();
+    request["scene"]["surfaces"][0]["shape"] = shape;
+    std::string body = request.dump();
+    if (escaped)
+      for (std::size_t at; (at = body.find("expression")) != body.npos;)
+        body.replace(at, 1, "\\u0065");
+    const auto exchange = std::make_shared<NotedThread>();
+    routes.serve({"POST", "/v1/contours", "application/json", body, false}, exchange);
+    return exchange->answered.get_future().get();
+  };
+  const auto here = std::this_thread::get_id();
+  EXPECT_EQ(reader_of({{"type", "sphere"}, {"radius", -1}}), here);
+  const json bad = {{"expression", "x +"}, {"type", "expression"}};
+  EXPECT_NE(reader_of(bad), here);
+  EXPECT_NE(reader_of(bad, true), here);
+}
+
 /// With one thread, which is busy, the second waits for as long as the first runs.
 TEST_F(RoutesTest, says_how_long_a_computation_waited) {
   Jobs one_thread{{1, 4}};
