@@ -67,7 +67,7 @@ struct ContourRequest {
   const std::atomic<bool>* cancelled = nullptr;
   /// Looks on while a total is traced; may be null.
   TotalObserver* observer = nullptr;
-  /// Stages to run although the plan would skip them (see `Skipped::stage`); for measuring.
+  /// Stages to run although a scene does not need them, of `skippable_stages()`; for measuring.
   std::set<std::string> no_skip;
 };
 

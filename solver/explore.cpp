@@ -88,12 +88,13 @@ struct Values : Span {
 class Explorer {
  public:
   Explorer(Evaluator& evaluate, const Domain& domain, const OpticalSystem& system,
-           const Hidden& hidden)
+           const Hidden& hidden, bool unseen_too)
       : evaluate_(evaluate),
         domain_(domain),
         system_(system),
         map_(evaluate.map()),
         hidden_(hidden),
+        unseen_too_(unseen_too),
         window_(system.receiver().half.norm() * 2.0) {
     const auto& mirror = map_.mirror();
     result_.charts = map_.shape().charts({mirror.region, system.center(), system.diameter()});
@@ -147,6 +148,7 @@ class Explorer {
   const OpticalSystem& system_;
   const ForwardMap& map_;
   const Hidden& hidden_;
+  const bool unseen_too_;
   double window_;
   double opening_ = geometry::kInfinity;  // radius of what the aperture leaves, m
   int base_ = kBaseOfOne;
@@ -315,26 +317,28 @@ Explorer::Verdict Explorer::judge(const Square& c, View& view) {
     }
     behind = std::min(behind, domain_.value(plane, f));
   }
-  if (cosine.negative()) return Verdict::discard;
+  bool unseen = cosine.negative();
   for (int i = 0; i < 4; i += 2) {
     const Values &a = beyond[i], &b = beyond[i + 1];
-    if ((a.positive() && b.positive()) || (a.negative() && b.negative())) return Verdict::discard;
+    unseen |= (a.positive() && b.positive()) || (a.negative() && b.negative());
     view.cut |= !(a.positive() && b.negative()) && !(a.negative() && b.positive());
   }
+  if (unseen && !unseen_too_) return Verdict::discard;
   if (facing.lo < 0.0 && facing.hi > 0.0) {
     if (c.depth < kPoleDepth) return Verdict::refine;
-    ++result_.unresolved;
+    result_.unresolved += !unseen;
     return Verdict::discard;
   }
-  if (behind > view.radius) return Verdict::discard;
+  unseen |= behind > view.radius;
   view.cut |= !cosine.positive() || behind > -view.radius;
 
-  for (int i = domain_.first_later(); i < domain_.size(); ++i) {
+  for (int i = domain_.first_later(); i < domain_.size() && (!unseen || unseen_too_); ++i) {
     Values h;
     for (int k = 0; k < 5; ++k) h.include(domain_.value(i, view(result_, k)));
-    if (h.positive()) return Verdict::discard;
+    unseen |= h.positive();
     view.cut |= !h.negative();
   }
+  if (unseen && !unseen_too_) return Verdict::discard;
   if (view.cut && c.depth < deepest && wide_on_later(view)) return Verdict::refine;
   if (c.depth < deepest && std::hypot(u.width(), v.width()) > kImageShare * window_) {
     return Verdict::refine;
@@ -345,7 +349,7 @@ Explorer::Verdict Explorer::judge(const Square& c, View& view) {
     const double hidden = hidden_share(view).value_or(0.0);
     if (hidden > 0.0 && hidden < 1.0) return Verdict::refine;
   }
-  return Verdict::keep;
+  return unseen ? Verdict::discard : Verdict::keep;
 }
 
 // Some samples have no path, or none has: how those pass that get nearest to what the others miss.
@@ -582,8 +586,8 @@ int add_sample(Exploration& e, Evaluator& evaluate, int chart, double s, double 
 }
 
 Exploration explore(Evaluator& evaluate, const Domain& domain, const OpticalSystem& system,
-                    const Hidden& hidden) {
-  return Explorer(evaluate, domain, system, hidden).run();
+                    const Hidden& hidden, bool unseen_too) {
+  return Explorer(evaluate, domain, system, hidden, unseen_too).run();
 }
 
 double image_area(const Exploration& e, const Cell& cell) {

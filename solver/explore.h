@@ -35,17 +35,18 @@ struct Exploration {
   std::vector<geometry::Chart> charts;
   std::vector<FieldPoint> samples;
   std::vector<Cell> cells;
-  std::size_t discarded = 0;     ///< cells that nothing of the image can come from
-  std::size_t unresolved = 0;    ///< cells given up at the finest subdivision
-  bool dark = true;              ///< no sample is lit: the light never reaches the mirror
+  std::size_t discarded = 0;   ///< cells that nothing of the image can come from
+  std::size_t unresolved = 0;  ///< cells given up at the finest subdivision
+  bool dark = true;            ///< no sample is lit: the light never reaches the mirror
 };
 
 /// True if what the light does at this point is hidden by some surface.
 using Hidden = std::function<bool(const FieldPoint&)>;
 
-/// `hidden` may be empty: then nothing is.
+/// `hidden` may be empty: then nothing is. `unseen_too`: cells that send nothing to the receiver
+/// are refined like the others before they are discarded.
 Exploration explore(Evaluator& evaluate, const Domain& domain, const OpticalSystem& system,
-                    const Hidden& hidden);
+                    const Hidden& hidden, bool unseen_too = false);
 
 /// Point of a chart, evaluated and stored.
 int add_sample(Exploration& e, Evaluator& evaluate, int chart, double s, double t);

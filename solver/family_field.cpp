@@ -27,7 +27,10 @@ bool ends_paths(const Cell& cell, std::size_t k) {
 
 FamilyField::FamilyField(const OpticalSystem& system, const PlannedPiece& planned,
                          const geometry::EmbreeScene* candidates, double margin)
-    : piece(planned), map(system, planned.hops), domain(map), system_(system) {
+    : piece(planned),
+      map(system, planned.hops, planned.needless.third_derivatives),
+      domain(map),
+      system_(system) {
   if (planned.visibility) visibility.emplace(system, candidates, margin);
 }
 
@@ -39,10 +42,12 @@ void FamilyField::explore(Budget& budget) {
       return lookout.hidden(LightPath(map, f));
     };
   }
-  exploration = solver::explore(evaluate, domain, system_, hidden);
+  exploration = solver::explore(evaluate, domain, system_, hidden, piece.needless.unseen_cells);
   measure();
-  seen = !samples.empty() ||
-         (visibility && shows_through_gap(evaluate, domain, exploration, *visibility, piece.hops));
+  hidden_whole = visibility && samples.empty() && !exploration.cells.empty() &&
+                 !shows_through_gap(evaluate, domain, exploration, *visibility, piece.hops);
+  seen = !samples.empty() || (visibility && !exploration.cells.empty() &&
+                              (!hidden_whole || piece.needless.hidden_family));
   if (!degenerate && !uniform && !empty()) {
     critical = find_critical_points(evaluate, domain, exploration);
     for (const CriticalPoint& c : critical) {

@@ -29,9 +29,10 @@ struct FamilyField {
   double flux = 0.0;  ///< W on the receiver's window
   std::vector<WeightedIrradiance> samples;
   double phi_min = 0.0, phi_max = 0.0;  ///< range of φ found, over lit and visible samples
-  bool degenerate = false;  ///< a ≡ 0: all light goes through a point or a line of the receiver
-  bool uniform = false;     ///< E is constant: no level curve
-  bool seen = false;        ///< some of it reaches the window, and not all of that is hidden
+  bool degenerate = false;    ///< a ≡ 0: all light goes through a point or a line of the receiver
+  bool uniform = false;       ///< E is constant: no level curve
+  bool seen = false;          ///< some of it reaches the window, and not all of that is hidden
+  bool hidden_whole = false;  ///< what reaches the window is hidden, as far as gaps were sought
   bool empty() const { return !seen; }
 
  private:

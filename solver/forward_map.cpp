@@ -11,11 +11,14 @@ using geometry::JetOf;
 using geometry::Mat3;
 using Array2 = Eigen::Array2d;
 
-ForwardMap::ForwardMap(const OpticalSystem& system, const Hops& hops)
-    : system_(&system), hops_(hops), scale_(system.diameter()) {
+ForwardMap::ForwardMap(const OpticalSystem& system, const Hops& hops, bool all_third_derivatives)
+    : system_(&system),
+      hops_(hops),
+      all_third_derivatives_(all_third_derivatives),
+      scale_(system.diameter()) {
   single_mirror_ = hops.size() == 1 && mirror().optics.kind == Optics::Kind::mirror &&
                    mirror().optics.constant_share();
-  quadratic_ = shape().at_most_quadratic();
+  quadratic_ = !all_third_derivatives && shape().at_most_quadratic();
   if (const auto* point = std::get_if<PointLight>(&system.light())) {
     point_source_ = true;
     source_ = point->position;
@@ -258,7 +261,8 @@ bool ForwardMap::pass_all_hops(const Start& start, const Hit* near, FieldPoint& 
     hit.y_t = ray.x.t;
     Bounce bounce;
     const Optics& optics = surface(j).optics;
-    if (!bend(optics, hops_[j].side, normal_jet(surface_shape, at, ray.x), ray, bounce)) {
+    const bool third = all_third_derivatives_ || !surface_shape.at_most_quadratic();
+    if (!bend(optics, hops_[j].side, normal_jet(surface_shape, at, ray.x, third), ray, bounce)) {
       return false;
     }
     hit.cosine = bounce.cosine.v;

@@ -1,5 +1,6 @@
 // The map x ↦ q of one family, from the first hit on its first surface to the receiver, with the
-// closed-form derivatives that give irradiance and its gradient. NOTATION.md (S1)–(S7), (S23)–(S27).
+// closed-form derivatives that give irradiance and its gradient. NOTATION.md (S1)–(S7),
+// (S23)–(S27).
 #pragma once
 
 #include <memory>
@@ -31,19 +32,19 @@ struct Hit {
 /// All that tracing asks about one point of the first surface. Gradients lie in its tangent plane.
 struct FieldPoint {
   Point x;
-  Normal n;            ///< towards the lit side
-  Direction e1, e2;    ///< e1 × e2 = n
-  bool finite = false; ///< false where the path ends before the receiver, g has no normal, the
-                       ///< light is at x, or numbers overflow
-  double lambda = 0;   ///< arrives if > 0 (S4), in lengths of d
-  double facing = 0;   ///< m·D; its sign changes at a pole
+  Normal n;             ///< towards the lit side
+  Direction e1, e2;     ///< e1 × e2 = n
+  bool finite = false;  ///< false where the path ends before the receiver, g has no normal, the
+                        ///< light is at x, or numbers overflow
+  double lambda = 0;    ///< arrives if > 0 (S4), in lengths of d
+  double facing = 0;    ///< m·D; its sign changes at a pole
 
   Vec2 q = Vec2::Zero();
-  Vec2 q_s, q_t;       ///< columns of M = ∂q/∂(s, t)
+  Vec2 q_s, q_t;  ///< columns of M = ∂q/∂(s, t)
   double a = 0;
   Vec3 grad_a;
-  double share = 1;    ///< what ρ has beyond its constant factors: Fresnel's share
-  double flux = 0;     ///< ρσ, W/m², negative on the dark side
+  double share = 1;  ///< what ρ has beyond its constant factors: Fresnel's share
+  double flux = 0;   ///< ρσ, W/m², negative on the dark side
   Vec3 grad_flux;
   double cos_alpha = 0;
   Vec3 grad_cos;
@@ -55,8 +56,8 @@ struct FieldPoint {
   /// Signed inverse irradiance φ.
   double inverse_irradiance() const { return a / flux; }
   double irradiance() const { return flux / std::abs(a); }
-  /// The natural scale of a: |∇q₁||∇q₂|, but no less than kLeastScale of the squared stretch, since on
-  /// a caustic whose image runs along a receiver axis one of the two vanishes with a.
+  /// The natural scale of a: |∇q₁||∇q₂|, but no less than kLeastScale of the squared stretch, since
+  /// on a caustic whose image runs along a receiver axis one of the two vanishes with a.
   double scale_of_a() const;
   /// True where a is zero to rounding against the stretch of the map, or the map shrinks all to a
   /// point: light that is focused perfectly, or sampled right on a caustic.
@@ -80,7 +81,8 @@ struct FieldPoint {
 /// then the receiver's plane is the first surface, and x the point of arrival.
 class ForwardMap {
  public:
-  ForwardMap(const OpticalSystem& system, const Hops& hops);
+  /// `all_third_derivatives`: those of quadrics too, which vanish.
+  ForwardMap(const OpticalSystem& system, const Hops& hops, bool all_third_derivatives = false);
   /// One mirror; `side` = ±1 is s of NOTATION.md.
   ForwardMap(const OpticalSystem& system, int surface, int side)
       : ForwardMap(system, Hops{{surface, side}}) {}
@@ -138,9 +140,10 @@ class ForwardMap {
   int side_;            // of the first surface
   bool single_mirror_;  // no later hop, ρ constant
   bool point_source_;
-  bool quadratic_;      // third derivatives of the first g vanish
-  Vec3 source_;         // position or direction
-  double strength_;     // I or E_b, times the constant factors of ρ
+  bool all_third_derivatives_;
+  bool quadratic_;   // third derivatives of the first g vanish, and are left out
+  Vec3 source_;      // position or direction
+  double strength_;  // I or E_b, times the constant factors of ρ
   double scale_;
   geometry::Mat3 to_receiver_;  // rows u, v, m
 };

@@ -81,10 +81,11 @@ std::optional<Vec3> bend(const Optics& optics, int side, const Vec3& d, const Ve
   return eta * d - ((eta * c + side * std::sqrt(radicand)) / nn) * N;
 }
 
-VecJet normal_jet(const geometry::Surface& shape, const SurfaceDerivatives& at, const VecJet& x) {
+VecJet normal_jet(const geometry::Surface& shape, const SurfaceDerivatives& at, const VecJet& x,
+                  bool third) {
   const auto& H = at.hessian;
   VecJet N{at.gradient, H * x.s, H * x.t, H * x.ss, H * x.st, H * x.tt};
-  if (!shape.at_most_quadratic()) {
+  if (third) {
     const auto T = shape.third_derivatives(x.v, x.s, x.t);
     N.ss += T.uu;
     N.st += T.uv;

@@ -40,9 +40,9 @@ double least_return(const geometry::Ray& ray, double scale);
 struct RayJet {
   VecJet x, d;
 };
-/// Surface normal ∇g along the surface through ray.x.
+/// Surface normal ∇g along the surface through ray.x; `third` if the third derivative of g counts.
 VecJet normal_jet(const geometry::Surface& shape, const geometry::SurfaceDerivatives& at,
-                  const VecJet& x);
+                  const VecJet& x, bool third);
 /// Moves the ray's position on to where it meets the surface, τ being known.
 void transfer(RayJet& ray, double tau, const geometry::SurfaceDerivatives& at);
 

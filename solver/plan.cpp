@@ -164,9 +164,18 @@ std::vector<Hops> pieces_of(const OpticalSystem& system, const std::vector<int>&
 
 }  // namespace
 
+std::span<const char* const> skippable_stages() {
+  static constexpr const char* kStages[] = {"dark_side", "third_derivatives", "visibility",
+                                            "embree",    "unseen_cells",      "hidden_family",
+                                            "family"};
+  return kStages;
+}
+
 Plan make_plan(const OpticalSystem& system, const std::vector<std::vector<int>>& families,
                bool direct, const std::set<std::string>& no_skip) {
   Plan plan;
+  const Needless needless{no_skip.count("third_derivatives") > 0, no_skip.count("unseen_cells") > 0,
+                          no_skip.count("hidden_family") > 0};
   int dark_sides = 0, unhidden = 0;
   for (int family = 0; family < static_cast<int>(families.size()); ++family) {
     const int mirror = families[family].front();
@@ -179,7 +188,7 @@ Plan make_plan(const OpticalSystem& system, const std::vector<std::vector<int>>&
       for (const Hops& hops : pieces_of(system, families[family], side)) {
         const bool needed = may_be_hidden(system, hops);
         unhidden += !needed;
-        plan.pieces.push_back({family, hops, needed || no_skip.count("visibility") > 0});
+        plan.pieces.push_back({family, hops, needed || no_skip.count("visibility") > 0, needless});
       }
     }
   }
@@ -190,7 +199,7 @@ Plan make_plan(const OpticalSystem& system, const std::vector<std::vector<int>>&
   }
   if (direct && lights_receiver(system)) {
     const bool needed = may_be_hidden(system, {}) || no_skip.count("visibility") > 0;
-    plan.direct = PlannedPiece{kDirectFamily, {}, needed};
+    plan.direct = PlannedPiece{kDirectFamily, {}, needed, needless};
   }
   bool quadrics = !plan.pieces.empty();
   for (const PlannedPiece& piece : plan.pieces) {
@@ -198,7 +207,7 @@ Plan make_plan(const OpticalSystem& system, const std::vector<std::vector<int>>&
       quadrics &= system.surfaces()[hop.surface].shape->at_most_quadratic();
     }
   }
-  if (quadrics) {
+  if (quadrics && !needless.third_derivatives) {
     plan.skipped.push_back({"third_derivatives",
                             "all surfaces are planes or quadrics, whose third "
                             "derivatives vanish"});

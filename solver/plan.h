@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -15,11 +16,19 @@ namespace caustic::solver {
 /// Of the direct light, which is no family that was asked for.
 constexpr int kDirectFamily = -1;
 
+/// What a piece is asked although it needs not, for measuring.
+struct Needless {
+  bool third_derivatives = false;  ///< of quadrics
+  bool unseen_cells = false;       ///< refined as if their light came to the receiver
+  bool hidden_family = false;      ///< traced though no gap shows anything of it
+};
+
 /// One family, with the side from which light comes to each of its surfaces.
 struct PlannedPiece {
   int family;
   Hops hops;
   bool visibility;  ///< something may be hidden
+  Needless needless{};
 };
 
 struct Plan {
@@ -29,8 +38,11 @@ struct Plan {
   std::vector<Skipped> skipped;
 };
 
-/// `families` by surface index, and the direct light. Stages named in `no_skip` run in any case:
-/// "dark_side", "visibility", "embree".
+/// What `no_skip` may name, in the order of a request. "empty_levels" is in `skipped` but not here: a
+/// level that lies on no edge of a cell costs nothing that could be saved or spent.
+std::span<const char* const> skippable_stages();
+
+/// `families` by surface index, and the direct light. Stages named in `no_skip` run in any case.
 Plan make_plan(const OpticalSystem& system, const std::vector<std::vector<int>>& families,
                bool direct, const std::set<std::string>& no_skip);
 

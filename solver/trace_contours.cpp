@@ -161,7 +161,7 @@ void Run::explore() {
     for (const SystemSurface& surface : system_.surfaces()) boxes.push_back(surface.region);
     embree_ = std::make_unique<geometry::EmbreeScene>(boxes, margin);
   }
-  std::size_t discarded = 0, kept = 0;
+  std::size_t discarded = 0, kept = 0, hidden = 0;
   for (const PlannedPiece& piece : plan.pieces) {
     fields_.push_back(std::make_unique<FamilyField>(system_, piece, embree_.get(), margin));
     FamilyField& field = *fields_.back();
@@ -171,6 +171,7 @@ void Run::explore() {
     result_.families[piece.family].flux += field.flux;
     // What exploration gave up a proof decides, or gives up itself.
     if (!request_.certify) result_.undecided_cells += field.exploration.unresolved;
+    hidden += field.hidden_whole && !field.piece.needless.hidden_family;
     judge(field);
   }
   drop_faint_families();
@@ -179,7 +180,11 @@ void Run::explore() {
     direct_->explore(budget_);
     result_.undecided_cells += direct_->exploration.unresolved;
   }
-  if (discarded > 0) {
+  if (hidden > 0) {
+    skip("hidden_family", std::to_string(hidden) + (hidden == 1 ? " family" : " families") +
+                              " of which nothing shows");
+  }
+  if (discarded > 0 && !request_.no_skip.count("unseen_cells")) {
     skip("unseen_cells", std::to_string(discarded) + " of " + std::to_string(discarded + kept) +
                              " cells of the mirrors send nothing to the receiver");
   }
@@ -191,7 +196,7 @@ void Run::explore() {
 
 // Families that were not asked for by name and bring next to nothing.
 void Run::drop_faint_families() {
-  if (!request_.families.empty()) return;
+  if (!request_.families.empty() || request_.no_skip.count("family")) return;
   double total = 0.0;
   for (const FamilyReport& family : result_.families) total += family.flux;
   for (const FamilyReport& family : result_.families) {

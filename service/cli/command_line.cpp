@@ -2,10 +2,12 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <set>
 #include <thread>
 
 #include "service/api/identity.h"
 #include "service/cli/commands.h"
+#include "solver/plan.h"
 
 namespace caustic::service {
 namespace {
@@ -75,6 +77,12 @@ void add_trace(CLI::App& app, TraceOptions& options) {
       ->capture_default_str();
   command->add_option("--format", options.format,
                       "vtp, vtk, svg, geojson, csv or json (default: the output's suffix)");
+  const auto stages = solver::skippable_stages();
+  command
+      ->add_option("--no-skip", options.no_skip,
+                   "a stage to run although the scene does not need it, to see what it would take; "
+                   "may be repeated")
+      ->check(CLI::IsMember(std::set<std::string>(stages.begin(), stages.end())));
 }
 
 }  // namespace

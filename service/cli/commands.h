@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "service/http/front.h"
 #include "service/http/server.h"
@@ -23,9 +24,10 @@ struct ServeOptions {
 int serve(ServeOptions options);
 
 struct TraceOptions {
-  std::string request = "-";  ///< - is stdin
-  std::string output = "-";   ///< - is stdout
-  std::string format;         ///< empty: by the output's suffix, vtp for stdout
+  std::string request = "-";         ///< - is stdin
+  std::string output = "-";          ///< - is stdout
+  std::string format;                ///< empty: by the output's suffix, vtp for stdout
+  std::vector<std::string> no_skip;  ///< stages to run although the scene does not need them
 };
 int trace(const TraceOptions& options);
 

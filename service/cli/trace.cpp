@@ -59,6 +59,7 @@ int trace_or_throw(const TraceOptions& options, const std::string& format) {
   const auto body = read_all(options.request);
   if (!body) return report(make_problem(400, "cannot read " + options.request));
   ContourCall call = read_contour_call(*body);
+  call.request.no_skip = {options.no_skip.begin(), options.no_skip.end()};
   solver::ContourResult result;
   {
     ProgressBar bar;
