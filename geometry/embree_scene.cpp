@@ -17,8 +17,12 @@ constexpr double kUnit = 1.0;
 constexpr double kFloatSlack = 1e-5;
 constexpr float kFar = 1e6f;
 
-float down(double v) { return std::nextafter(static_cast<float>(std::max(v, -double(kFar))), -INFINITY); }
-float up(double v) { return std::nextafter(static_cast<float>(std::min(v, double(kFar))), INFINITY); }
+float down(double v) {
+  return std::nextafter(static_cast<float>(std::max(v, -double(kFar))), -INFINITY);
+}
+float up(double v) {
+  return std::nextafter(static_cast<float>(std::min(v, double(kFar))), INFINITY);
+}
 
 // One device for the process: making it takes milliseconds, a scene microseconds.
 RTCDevice shared_device() {
@@ -62,7 +66,8 @@ struct EmbreeScene::State {
   }
   // Called for every box that the ray meets; reports no hit, so that the traversal goes on.
   static void visit(const RTCOccludedFunctionNArguments* args) {
-    if (args->valid[0]) reinterpret_cast<Query*>(args->context)->out->push_back(static_cast<int>(args->primID));
+    if (args->valid[0])
+      reinterpret_cast<Query*>(args->context)->out->push_back(static_cast<int>(args->primID));
   }
 };
 
@@ -103,6 +108,15 @@ void EmbreeScene::candidates(const Ray& ray, double t1, std::vector<int>& out) c
   const Vec3 origin = (ray.origin - s.center) * s.scale;
   const Vec3 direction = ray.direction * (t1 * s.scale);
   const double length = direction.norm();
+  // Embree ends the process for what is no ray in single precision. A segment of no length has no
+  // direction either, and what is far out is left to the caller, box by box.
+  if (!((origin.array().abs() <= kFar).all() && length > 0.0 && length < kInfinity)) {
+    const Ray segment{origin, direction};
+    for (int k = 0; k < static_cast<int>(s.boxes.size()); ++k) {
+      if (!direction.allFinite() || s.boxes[k].may_meet(segment, 0.0)) out.push_back(k);
+    }
+    return;
+  }
   RTCRay r{};
   r.org_x = static_cast<float>(origin.x());
   r.org_y = static_cast<float>(origin.y());

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 
 namespace caustic::geometry {
@@ -39,6 +40,27 @@ TEST(EmbreeScene, no_box_is_missed) {
     EXPECT_GT(met, 2200u);  // of which 2000 the unbounded box
     EXPECT_LT(proposed, 4 * met);  // they are candidates, not everything
   }
+}
+
+// Light that arrives where the mirror touches the receiver goes no way there; next to a pole it goes
+// further than floats reach. Embree ends the process for such a ray.
+TEST(EmbreeScene, what_is_no_ray_in_single_precision) {
+  std::vector<Box> boxes;
+  for (int i = 0; i < 100; ++i) boxes.push_back(Box::around({3.0 * i, 0, 0}, 1.0));
+  const EmbreeScene scene(boxes, 0.0);
+  const auto candidates = [&](const Ray& ray) {
+    std::vector<int> found;
+    scene.candidates(ray, 1.0, found);
+    return found;
+  };
+  EXPECT_EQ(candidates({{150.2, 0.1, 0}, {0, 0, 0}}), std::vector{50});
+  EXPECT_EQ(candidates({{150.2, 0.1, 0}, {-0.0, 1e-320, 0}}), std::vector{50});
+  const auto far = candidates({{150.2, 0.1, 0}, {0, 0, 1e200}});
+  EXPECT_TRUE(std::binary_search(far.begin(), far.end(), 50));
+  EXPECT_EQ(candidates({{150.2, 0.1, 1e50}, {0, 0, -2e50}}), std::vector{50});
+  EXPECT_EQ(candidates({{0, 0, 0}, {kInfinity, 0, 0}}).size(), boxes.size());
+  EXPECT_EQ(candidates({{0, 0, 0}, {std::nan(""), 0, 0}}).size(), boxes.size());
+  EXPECT_EQ(candidates({{std::nan(""), 0, 0}, {1, 0, 0}}).size(), boxes.size());
 }
 
 TEST(EmbreeScene, margin_widens) {
