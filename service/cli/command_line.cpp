@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <set>
 #include <thread>
 
 #include "service/api/identity.h"
@@ -82,7 +81,7 @@ void add_trace(CLI::App& app, TraceOptions& options) {
       ->add_option("--no-skip", options.no_skip,
                    "a stage to run although the scene does not need it, to see what it would take; "
                    "may be repeated")
-      ->check(CLI::IsMember(std::set<std::string>(stages.begin(), stages.end())));
+      ->check(CLI::IsMember(std::vector<std::string>(stages.begin(), stages.end())));
 }
 
 }  // namespace

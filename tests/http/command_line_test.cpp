@@ -61,6 +61,22 @@ TEST_F(CommandLineTest, bad_input_is_2_with_the_problem_on_stderr) {
   EXPECT_EQ(run_program({}).exit_code, 2);
 }
 
+TEST_F(CommandLineTest, runs_stages_that_a_scene_does_not_need) {
+  const std::string request = request_file(ball_request());
+  const auto trace = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"trace", request, "--format", "csv"});
+    return run_program(more);
+  };
+  const ProgramResult planned = trace({});
+  EXPECT_EQ(planned.exit_code, 0);
+  EXPECT_EQ(trace({"--no-skip", "visibility"}).out, planned.out);
+  EXPECT_EQ(trace({"--no-skip", "visibility", "--no-skip", "embree"}).out, planned.out);
+  EXPECT_EQ(trace({"--no-skip", "lunch"}).exit_code, 2);
+  const json forced = json::parse(
+      run_program({"trace", request, "--format", "json", "--no-skip", "dark_side"}).out);
+  for (const json& skipped : forced["skipped"]) EXPECT_NE(skipped["stage"], "dark_side");
+}
+
 TEST_F(CommandLineTest, reads_irradiance) {
   const ProgramResult result = run_program({"irradiance", request_file(irradiance_request())});
   EXPECT_EQ(result.exit_code, 0) << result.err;
