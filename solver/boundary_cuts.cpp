@@ -67,7 +67,6 @@ class BoundaryCutter {
     return curves_[c].closed ? curves_[c].q.size() : curves_[c].q.size() - 1;
   }
   double slack(const Vec2& segment) const { return kSegmentSlack * segment.norm() + 2.0 * chord_; }
-  Vec2 image_tangent(std::size_t c, const BoundaryPlace& at, Vec3& t) const;
   void cut_at_crossings();
   void cross_segments(std::size_t c, std::size_t i, std::size_t d, std::size_t j);
   void cut_at_ends_of_others(std::size_t c);
@@ -91,16 +90,6 @@ class BoundaryCutter {
   double width_;
 };
 
-Vec2 BoundaryCutter::image_tangent(std::size_t c, const BoundaryPlace& at, Vec3& t) const {
-  const BoundaryCurve& curve = curves_[c];
-  if (curve.on_receiver_edge()) {
-    t.setZero();
-    return (curve.q.back() - curve.q.front()).normalized();
-  }
-  t = curve.function(carrier_.field(curve.field)).tangent(at.own);
-  return at.own.push_forward(t);
-}
-
 // Newton's method on both curves at once: q_A + α q̇_A = q_B + β q̇_B (S52).
 void BoundaryCutter::cross_segments(std::size_t c, std::size_t i, std::size_t d, std::size_t j) {
   const std::size_t in = (i + 1) % curves_[c].q.size(), jn = (j + 1) % curves_[d].q.size();
@@ -118,7 +107,8 @@ void BoundaryCutter::cross_segments(std::size_t c, std::size_t i, std::size_t d,
   for (int k = 0; k < kCrossingSteps && a && b; ++k) {
     const Vec2 gap = b->q - a->q;
     Vec3 ta, tb;
-    const Vec2 qa = image_tangent(c, *a, ta), qb = image_tangent(d, *b, tb);
+    const Vec2 qa = image_tangent(carrier_, curves_[c], *a, ta),
+               qb = image_tangent(carrier_, curves_[d], *b, tb);
     const double sine = cross(qa, qb);
     if (std::abs(sine) <= kLeastSine * qa.norm() * qb.norm()) return;
     const double alpha = cross(gap, qb) / sine, beta = cross(gap, qa) / sine;
@@ -278,6 +268,16 @@ void BoundaryCutter::cut_at_limits(std::size_t c) {
 }
 
 }  // namespace
+
+Vec2 image_tangent(const SheetCarrier& carrier, const BoundaryCurve& curve, const BoundaryPlace& at,
+                   Vec3& t) {
+  if (curve.on_receiver_edge()) {
+    t.setZero();
+    return (curve.q.back() - curve.q.front()).normalized();
+  }
+  t = curve.function(carrier.field(curve.field)).tangent(at.own);
+  return at.own.push_forward(t);
+}
 
 BoundaryPlace on_segment(const BoundaryCurve& curve, std::size_t i, double w) {
   const std::size_t next = (i + 1) % curve.q.size();

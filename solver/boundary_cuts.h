@@ -21,6 +21,11 @@ std::optional<BoundaryPlace> settle_on(SheetCarrier& carrier, const BoundaryCurv
 /// A place near the curve at share w of its segment i.
 BoundaryPlace on_segment(const BoundaryCurve& curve, std::size_t i, double w);
 
+/// Velocity of the image for the unit tangent `t` of the curve on its first surface, which is
+/// returned too; of the receiver's edges a unit vector, and t = 0. Zero at cusps.
+Vec2 image_tangent(const SheetCarrier& carrier, const BoundaryCurve& curve, const BoundaryPlace& at,
+                   Vec3& t);
+
 /// Places nearer than this share of the receiver's width are one cut.
 constexpr double kSameCut = 1e-9;
 

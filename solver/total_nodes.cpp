@@ -129,7 +129,9 @@ class NodeFinder {
     out_.nodes.push_back(std::move(node));
   }
 
-  // The piece runs with its inside on the left.
+  // The piece runs with its inside on the left: the normal of the curve itself. A polyline's would
+  // not tell on which side an arc begins that hardly leaves the boundary, as where a sheet fades in
+  // steeply.
   Vec2 left_normal(const BoundaryVertex& at) const {
     std::size_t nearest = 0;
     double least = geometry::kInfinity;
@@ -138,7 +140,11 @@ class NodeFinder {
       const double d = (middle - at.at.q).norm();
       if (d < least) least = d, nearest = i;
     }
-    const Vec2 along = piece_.vertices[nearest + 1].at.q - piece_.vertices[nearest].at.q;
+    const Vec2 chord = piece_.vertices[nearest + 1].at.q - piece_.vertices[nearest].at.q;
+    Vec3 on_surface;
+    Vec2 along = image_tangent(carrier_, curve_, at.at, on_surface);
+    if (along.isZero()) along = chord;
+    if (along.dot(chord) < 0.0) along = -along;
     return Vec2(-along.y(), along.x()).normalized();
   }
 
