@@ -12,6 +12,10 @@ constexpr int kHiddenSteps = 20;
 // A place that lies this share of the segment away from where it was last is another one.
 constexpr double kOtherPlace = 0.1;
 constexpr double kHiddenRoundings = 8.0;
+// Where the segment bends little against the surface rounding moves the touch by more than that. h
+// is stationary in t: a step of this, no shorter than the one before, leaves it right to its
+// square.
+constexpr double kLastTouchStep = 1e-8;
 // Far from a curved rim's edge the steps shrink only linearly. The distance is stationary in the
 // place on the rim: a last step of this share of it leaves it right to the square of the share.
 constexpr int kStepsBeforeShare = 7;
@@ -51,18 +55,28 @@ HiddenEdge::Moving HiddenEdge::point_of_path(const FieldPoint& f, int k) const {
 // ∇g·D = 0 along the segment.
 bool HiddenEdge::touch(const Moving& a, const Moving& b, State& state) const {
   const Vec3 D = b.at - a.at;
+  double previous = geometry::kInfinity;
   for (int i = 0; i < kHiddenSteps; ++i) {
     state.y = a.at + state.t * D;
     const auto d = blocker().shape->derivatives(state.y);
     const double step = -d.gradient.dot(D) / D.dot(d.hessian * D);
     if (!std::isfinite(step)) return false;
-    if (std::abs(step) <= kHiddenRoundings * geometry::kEpsilon * (1.0 + std::abs(state.t))) {
+    const double size = std::abs(step);
+    if (size <= kHiddenRoundings * geometry::kEpsilon * (1.0 + std::abs(state.t)) ||
+        (size <= kLastTouchStep && size >= 0.5 * previous)) {
       state.h = d.g;
       const Vec3 slope_a = (1.0 - state.t) * d.gradient, slope_b = state.t * d.gradient;
       state.gradient =
           Vec3(slope_a.dot(a.s) + slope_b.dot(b.s), slope_a.dot(a.t) + slope_b.dot(b.t), 0);
+      // ∇g·D stays zero: D·H dy + ∇g·dD = 0 with dy = (1 − t) da + t db + D dt.
+      const Vec3 DH = d.hessian * D;
+      const auto rate = [&](const Vec3& da, const Vec3& db) {
+        return -(DH.dot((1.0 - state.t) * da + state.t * db) + d.gradient.dot(db - da)) / DH.dot(D);
+      };
+      state.gradient_t = Vec3(rate(a.s, b.s), rate(a.t, b.t), 0);
       return true;
     }
+    previous = size;
     state.t += step;
   }
   return false;
@@ -105,7 +119,10 @@ bool HiddenEdge::rim(const Moving& a, const Moving& b, State& state) const {
   return false;
 }
 
-HiddenEdge::State HiddenEdge::solved(const FieldPoint& f, const State& guess) const {
+// From where the place has moved to by its derivative, as far as that is to be trusted.
+HiddenEdge::State HiddenEdge::solved(const FieldPoint& f, State guess) const {
+  const double moved = guess.gradient_t.dot(f.x - guess.x);
+  if (std::isfinite(moved)) guess.t += std::clamp(moved, -kOtherPlace, kOtherPlace);
   State state = guess;
   state.x = f.x;
   bool good = true;
@@ -119,7 +136,8 @@ HiddenEdge::State HiddenEdge::solved(const FieldPoint& f, const State& guess) co
     const Moving a = point_of_path(f, hiding_.segment), b = point_of_path(f, hiding_.segment + 1);
     good = hiding_.kind == Hiding::Kind::touch ? touch(a, b, state) : rim(a, b, state);
   }
-  state.gradient = state.gradient.x() * f.e1 + state.gradient.y() * f.e2;
+  for (Vec3* slope : {&state.gradient, &state.gradient_t})
+    *slope = slope->x() * f.e1 + slope->y() * f.e2;
   if (!good || std::abs(state.t - guess.t) > kOtherPlace) state.h = kNoNumber;
   return state;
 }

@@ -64,6 +64,7 @@ class HiddenEdge {
     Point y;   // place on the surface
     double h = 0.0;
     Vec3 gradient = Vec3::Zero();
+    Vec3 gradient_t = Vec3::Zero();  // of t along the first surface, of a touch
   };
   struct Moving {  // a place as a function of (s, t)
     Point at;
@@ -71,7 +72,7 @@ class HiddenEdge {
   };
   Moving point_of_path(const FieldPoint& f, int k) const;
   const State& solve(const FieldPoint& f) const;
-  State solved(const FieldPoint& f, const State& guess) const;
+  State solved(const FieldPoint& f, State guess) const;
   bool touch(const Moving& a, const Moving& b, State& state) const;
   bool rim(const Moving& a, const Moving& b, State& state) const;
   const SystemSurface& blocker() const { return map_.system().surfaces()[hiding_.surface]; }
