@@ -8,6 +8,7 @@ The specification names its tables, relative to itself; numbers stand in them on
      "csv": "table.csv", "where": {"column": "value"},              which rows; all, if left out
      "data": ["x column", "y column"], "series": "column",          a curve for each value of it
      "order": ["name", ...], "names": {"name": "in the legend"},
+     "legend": false,                                               if a panel before it has it
      "fits": {"name": {"expected": 1, "from": 16, "to": 64}}}]}     slope on logs, and a dashed line of what was expected
 
 Lines of a table that begin with # are remarks. A series has the same colour and mark in all panels.
@@ -137,6 +138,10 @@ def fit_of(panel, name, points):
     return f": slope {found:.2f}, expected {fit['expected']:g}", line
 
 
+def has_legend(panel):
+    return panel.get("legend", True)
+
+
 def draw_panel(panel, series, kinds):
     fits = {name: fit_of(panel, name, points) for name, points in series.items()}
     everything = [p for points in series.values() for p in points]
@@ -154,9 +159,12 @@ def draw_panel(panel, series, kinds):
         if fits[name]:
             yield f'<path class="expected" d="{way(fits[name][1])}" stroke="{colour}"/>'
         yield f'<path class="curve" d="{way(points)}" stroke="{colour}"/>'
-        yield f'<path class="curve" d="M{LEFT} {at}h22" stroke="{colour}"/>'
-        for px, py in [(x(a), y(b)) for a, b in points] + [(LEFT + 11, at)]:
+        places = [(x(a), y(b)) for a, b in points] + [(LEFT + 11, at)] * has_legend(panel)
+        for px, py in places:
             yield f'<path {mark} transform="translate({px:.1f} {py:.1f})"/>'
+        if not has_legend(panel):
+            continue
+        yield f'<path class="curve" d="M{LEFT} {at}h22" stroke="{colour}"/>'
         yield text(LEFT + 29, at + 4, panel.get("names", {}).get(name, name) + (fits[name] or ("",))[0], "start")
 
 
@@ -176,7 +184,7 @@ def draw(spec, folder):
         for i, (panel, series) in enumerate(line):
             body = "\n".join(draw_panel(panel, series, kinds))
             parts.append(f'<g transform="translate({i * WIDTH} {down})">\n{body}\n</g>')
-        down += TOP + HEIGHT + ROW * max(len(series) for _, series in line) + 12
+        down += TOP + HEIGHT + ROW * max(len(series) * has_legend(panel) for panel, series in line) + 12
     return (f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {columns * WIDTH} {down}" '
             f'width="{columns * WIDTH}" height="{down}">\n<style>{STYLE}</style>\n'
             f'<rect class="paper" width="100%" height="100%"/>\n' + "\n".join(parts) + "\n</svg>\n")
