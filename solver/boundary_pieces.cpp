@@ -28,14 +28,30 @@ constexpr double kFollowedEnd = 1e-4;
 // The second look at whether an edge is one is taken from so far, as a share of the scene.
 constexpr double kSlit = 1e-9;
 
-// The vertex next to half of the length, not an end.
-std::size_t middle_of(const std::vector<BoundaryPlace>& places) {
+// The vertex next to half of the length, not an end; nothing if there is none between these shares
+// of it, as next to a cusp, where vertices crowd.
+constexpr double kMiddleFrom = 0.1;
+std::optional<std::size_t> middle_of(const std::vector<BoundaryPlace>& places) {
   std::vector<double> length{0.0};
   for (std::size_t i = 1; i < places.size(); ++i)
     length.push_back(length.back() + (places[i].q - places[i - 1].q).norm());
-  const auto half = std::lower_bound(length.begin(), length.end(), 0.5 * length.back());
-  const auto i = static_cast<std::size_t>(half - length.begin());
-  return std::clamp<std::size_t>(i, 1, places.size() - 2);
+  const double all = length.back();
+  std::optional<std::size_t> best;
+  for (std::size_t i = 1; i + 1 < places.size(); ++i) {
+    if (length[i] < kMiddleFrom * all || length[i] > (1.0 - kMiddleFrom) * all) continue;
+    if (!best || std::abs(length[i] - 0.5 * all) < std::abs(length[*best] - 0.5 * all)) best = i;
+  }
+  return best;
+}
+
+// The longest segment.
+std::size_t longest_of(const std::vector<BoundaryPlace>& places) {
+  std::size_t longest = 0;
+  for (std::size_t i = 1; i + 1 < places.size(); ++i) {
+    if ((places[i + 1].q - places[i].q).norm() > (places[longest + 1].q - places[longest].q).norm())
+      longest = i;
+  }
+  return longest;
 }
 
 class PieceMaker {
@@ -216,27 +232,29 @@ Opening PieceMaker::opening_on(const BoundaryCurve& curve, const BoundaryPlace& 
 // From the middle to both ends, the inside on the left.
 void PieceMaker::finish(std::size_t c, bool closed, std::vector<BoundaryPlace> places) {
   const BoundaryCurve& curve = curves_[c];
-  // A piece of two vertices has its ends for vertices: look between them.
-  if (places.size() == 2) {
-    BoundaryPlace start{0.5 * (places[0].q + places[1].q), places[0].own};
-    start.own.x = 0.5 * (places[0].own.x + places[1].own.x);
-    const auto at = settle_on(carrier_, curve, start);
+  std::optional<std::size_t> found = middle_of(places);
+  if (!found) {
+    const std::size_t i = longest_of(places);
+    BoundaryPlace between{0.5 * (places[i].q + places[i + 1].q), places[i].own};
+    between.own.x = 0.5 * (places[i].own.x + places[i + 1].own.x);
+    const auto at = settle_on(carrier_, curve, between);
     if (!at) {
       ++result_.unresolved;
       return;
     }
-    places.insert(places.begin() + 1, *at);
+    found = i + 1;
+    places.insert(places.begin() + static_cast<std::ptrdiff_t>(*found), *at);
   }
-  const std::size_t middle = middle_of(places);
+  std::size_t middle = *found;
   if (!curve.on_receiver_edge()) {
     const Opening opening = opening_on(curve, places[middle]);
     if (!opening.real) return;
-    const bool ahead = middle + 1 < places.size();
-    const std::size_t other = ahead ? middle + 1 : middle - 1;
-    if (inside_left(curve, places[middle], places[other], opening.inside) != ahead)
+    if (!inside_left(curve, places[middle], places[middle + 1], opening.inside)) {
       std::reverse(places.begin(), places.end());
+      middle = places.size() - 1 - middle;
+    }
   }
-  const auto start = places.begin() + static_cast<std::ptrdiff_t>(places.size() / 2);
+  const auto start = places.begin() + static_cast<std::ptrdiff_t>(middle);
   const bool mate_inside =
       curve.mate < 0 || mate_left(curve, *start, (start + 1)->q - (start - 1)->q);
   BoundaryVertex first = begin(curve, *start, mate_inside);

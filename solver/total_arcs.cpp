@@ -84,7 +84,8 @@ class ArcTracer::Impl final : public DirectionField {
   std::optional<ArcNode> advance(const ArcNode& from);
   std::optional<ArcNode> between(const ArcNode& a, const ArcNode& b, double s);
   double split(const ArcNode& a, const ArcNode& b) const;
-  std::optional<double> meets(const ArcNode& a, const ArcNode& b, const Vec2& node, double near);
+  std::optional<double> meets(const ArcNode& a, const ArcNode& b, const Vec2& node) const;
+  std::optional<double> passes(const ArcNode& a, const ArcNode& b, const Vec2& node);
   bool accept(const ArcNode& a, const ArcNode& b, std::vector<TotalNode>& ends, LevelArc& arc);
 
   SheetCarrier& carrier_;
@@ -156,9 +157,9 @@ double ArcTracer::Impl::split(const ArcNode& a, const ArcNode& b) const {
   return 1.0 / std::clamp(std::ceil(std::sqrt(error / kUsedChord)), 2.0, 64.0);
 }
 
-// Arc at which the curve passes `node`, if it does between a and b.
-std::optional<double> ArcTracer::Impl::meets(const ArcNode& a, const ArcNode& b, const Vec2& node,
-                                             double near) {
+// Arc at which the polynomial between a and b passes near `node`, if it does.
+std::optional<double> ArcTracer::Impl::meets(const ArcNode& a, const ArcNode& b,
+                                             const Vec2& node) const {
   const double ds = b.s - a.s;
   const Vec2 chord = b.at.q - a.at.q;
   // Along the cubic through both ends, by its chord's share.
@@ -172,10 +173,23 @@ std::optional<double> ArcTracer::Impl::meets(const ArcNode& a, const ArcNode& b,
   const double v = 1.0 - w;
   const Vec2 q =
       a.at.q + (w * w * (3.0 - 2.0 * w)) * chord + (w * v * v * ds) * a.t - (w * w * v * ds) * b.t;
-  if (!((q - node).norm() <= near * ds + kNodeShare * width_)) return std::nullopt;
+  if (!((q - node).norm() <= kNearNode * ds + kNodeShare * width_)) return std::nullopt;
   if (w <= 0.0)
     return (node - a.at.q).norm() <= kNodeShare * width_ ? std::optional(a.s) : std::nullopt;
   return std::min(b.s, a.s + w * ds);
+}
+
+// Arc at which the exact curve passes it.
+std::optional<double> ArcTracer::Impl::passes(const ArcNode& a, const ArcNode& b,
+                                              const Vec2& node) {
+  const auto s = meets(a, b, node);
+  if (!s) return std::nullopt;
+  const auto at = between(a, b, std::clamp(*s, 0.0, step_));
+  if (!at) return std::nullopt;
+  const Vec2 gap = node - at->at.q;
+  const double off = std::abs(at->t.x() * gap.y() - at->t.y() * gap.x());
+  const double bend = 0.5 * gap.squaredNorm() / std::max(length_.now(), kShortestStep * width_);
+  return off <= kNodeShare * width_ + bend ? s : std::nullopt;
 }
 
 // Takes the piece from a to b, unless the arc ends on it or closes.
@@ -187,18 +201,10 @@ bool ArcTracer::Impl::accept(const ArcNode& a, const ArcNode& b, std::vector<Tot
     // Where a sheet fades out the arc on the other side ends just where this one begins.
     if (arc.vertices.size() == 1 && (ends[k].q - arc.vertices[0].q).norm() <= kFadeShare * width_)
       continue;
-    const auto s = meets(a, b, ends[k].q, kNearNode);
+    const auto s = passes(a, b, ends[k].q);
     if (!s || *s >= first) continue;
-    // The exact curve where it passes the node.
-    const auto at = between(a, b, std::clamp(*s, 0.0, step_));
-    if (!at) continue;
-    const Vec2 gap = ends[k].q - at->at.q;
-    const double off = std::abs(at->t.x() * gap.y() - at->t.y() * gap.x());
-    if (off <= kNodeShare * width_ +
-                   0.5 * gap.squaredNorm() / std::max(length_.now(), kShortestStep * width_)) {
-      first = *s;
-      end = k;
-    }
+    first = *s;
+    end = k;
   }
   if (end) {
     arc.vertices.push_back({ends[*end].q, ends[*end].branches});
@@ -208,7 +214,7 @@ bool ArcTracer::Impl::accept(const ArcNode& a, const ArcNode& b, std::vector<Tot
   if (arc.vertices.size() > 4) {
     const double before = start_.t.dot(a.at.q - start_.at.q),
                  after = start_.t.dot(b.at.q - start_.at.q);
-    if (before < 0.0 && after >= 0.0 && meets(a, b, start_.at.q, 1e-4)) {
+    if (before < 0.0 && after >= 0.0 && passes(a, b, start_.at.q)) {
       arc.closed = true;
       return true;
     }

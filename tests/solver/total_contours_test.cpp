@@ -226,11 +226,11 @@ OpticalSystem torus_over_floor(const Point& lamp) {
 // Sheets fade in so steeply beside its silhouette that arcs leave that hardly, and next to where
 // the light that it hides from itself begins, what touches it moves fast.
 TEST(TotalContours, OfATorusOverTheFloor) {
-  for (const Point& lamp :
-       {Point(1.6038, 0.8778, 3), Point(2.112, 0.4743, 3), Point(1.4751, 0.976, 3)}) {
+  for (const Point& lamp : {Point(1.6038, 0.8778, 3), Point(2.112, 0.4743, 3),
+                            Point(1.1597, 0.4213, 3), Point(1.1868, 1.1011, 3)}) {
     const auto system = torus_over_floor(lamp);
-    const auto result = total_of(
-        system, {1e-4, 1.8e-4, 3.3e-4, 6e-4, 1.18e-3, 1.5653e-3, 2e-3, 3.8049e-3, 5e-3}, 8e-4);
+    const auto result =
+        total_of(system, {1e-4, 3.3e-4, 1.18e-3, 1.5653e-3, 3.8049e-3, 5.24457e-3}, 8e-4);
     for (const auto& w : result.warnings) ADD_FAILURE() << w.code << w.detail;
     expect_closed_rings(result, 8.0);
     expect_true_of_the_meter(system, result);
