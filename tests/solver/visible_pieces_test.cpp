@@ -6,6 +6,8 @@
 #include <random>
 
 #include "solver/contours.h"
+#include "tests/support/thorough.h"
+#include "tests/support/total_scenes.h"
 
 namespace caustic::solver {
 namespace {
@@ -78,6 +80,30 @@ TEST(VisiblePieces, as_long_as_a_dense_sampling_says) {
     const double spacing = std::sqrt(8.0 * chord * 4.0);
     EXPECT_NEAR(found, expected, spacing * double(2 + cut.curves.size())) << "trial " << trial;
   }
+}
+
+// The room of what is seen is an estimate; here it reaches beyond the place where the cuboid begins
+// to hide its own light, and the next vertex that is looked at lies farther still.
+TEST(VisiblePieces, ends_where_a_room_was_too_large) {
+  if (test::kSanitized) return;  // a hundred thousand vertices
+  const auto system = test::cuboid_over_floor();
+  ContourRequest request;
+  request.families = {{0}};
+  request.measure = Measure::sheet;
+  request.levels.values = {0.010316681617751924};
+  request.chord_tolerance = 8e-9;
+  request.irradiance_tolerance = 1e-9;
+  request.caustic = false;
+  request.time_limit = 300.0;
+  const auto result = trace_contours(system, request);
+  int shadowed = 0;
+  for (const Curve& curve : result.curves) {
+    if (curve.closed || curve.ends[0] != Ending::shadow) continue;
+    ++shadowed;
+    EXPECT_EQ(curve.ends[1], Ending::occlusion);
+    EXPECT_NEAR(curve.length, 1.213615, 1e-5);  // as at a chord of 1e-4
+  }
+  EXPECT_EQ(shadowed, 1);
 }
 
 }  // namespace
