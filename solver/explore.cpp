@@ -30,7 +30,8 @@ constexpr int kFieldDepth = 8;     // a, σ or q vary
 constexpr int kPathEndDepth = 5;   // some paths end
 constexpr int kPoleDepth = 8;      // some rays leave the receiver's plane
 constexpr int kMissDepth = 2;      // no sample has a path; further if something small is sought
-constexpr int kImageDepth = 24;    // the image is coarse against the window, or the light is near
+constexpr int kImageDepth = 24;    // the image is coarse against the window
+constexpr int kSourceDepth = 40;   // the light is near
 // The image of a cell inside the window: at most this share of the window's diagonal.
 constexpr double kImageShare = 0.2;
 // Largest difference between a corner and what gradients predict there, as a share of the largest.
@@ -107,15 +108,18 @@ class Explorer {
     int chart;
     std::int64_t i, j, size;  // corner and side in units of 1/(base · kFinest)
     int depth;
+    int approached = 0;  // levels of the depth for which a light is near
   };
   // Cells that are divided to seek something small do not count as finer: that begins when it is
-  // found.
-  enum class Verdict { discard, refine, seek, keep };
+  // found. For what varies or ends those that are divided since a light is near do not either.
+  enum class Verdict { discard, refine, approach, seek, keep };
   struct View {  // corners in order, then the middle
     std::array<int, 5> samples;
     double radius = 0.0;
     bool cut = false;
-    const FieldPoint& operator()(const Exploration& e, int k) const { return e.samples[samples[k]]; }
+    const FieldPoint& operator()(const Exploration& e, int k) const {
+      return e.samples[samples[k]];
+    }
   };
 
   bool outside(int chart, const Point& middle, double radius) const;
@@ -182,7 +186,8 @@ double Explorer::find_opening() const {
       for (int j = 0; j < base_; ++j) {
         const Point middle = chart.point((i + 0.5) * step, (j + 0.5) * step);
         const double radius = (chart.point(i * step, j * step) - middle).norm();
-        if (!std::isfinite(radius) || outside(static_cast<int>(k), middle, kRadiusFactor * radius)) continue;
+        if (!std::isfinite(radius) || outside(static_cast<int>(k), middle, kRadiusFactor * radius))
+          continue;
         starts.push_back(middle);
         largest = std::max(largest, radius);
       }
@@ -279,15 +284,16 @@ Explorer::Verdict Explorer::judge(const Square& c, View& view) {
     return Verdict::refine;
   }
   if (near_source(view)) {
-    if (c.depth < deepest) return Verdict::refine;
+    if (c.depth < (seen_ < kDeepCells ? kSourceDepth : kLateDepth)) return Verdict::approach;
     ++result_.unresolved;
     return Verdict::discard;
   }
 
+  const int depth = c.depth - c.approached;
   int finite = 0;
   for (int k = 0; k < 5; ++k) finite += view(result_, k).finite;
   if (finite < 5) {
-    if (c.depth < kMissDepth) return Verdict::refine;
+    if (depth < kMissDepth) return Verdict::refine;
     const Between rays = seen_ < kDeepCells ? between_rays(view) : Between::dense;
     if (rays == Between::perhaps) return Verdict::seek;
     if (finite == 0 && rays != Between::mixed) return Verdict::discard;
@@ -298,8 +304,8 @@ Explorer::Verdict Explorer::judge(const Square& c, View& view) {
     return Verdict::discard;
   }
 
-  // Light arrives in the window where |P| <= half·|m·D| with P = q (m·D), which is smooth also where
-  // rays become parallel to the receiver and q has a pole.
+  // Light arrives in the window where |P| <= half·|m·D| with P = q (m·D), which is smooth also
+  // where rays become parallel to the receiver and q has a pole.
   const Vec2& half = map_.receiver().half;
   Span facing, u, v;  // u and v of the image inside the window
   Values cosine, beyond[4];
@@ -340,12 +346,12 @@ Explorer::Verdict Explorer::judge(const Square& c, View& view) {
   }
   if (unseen && !unseen_too_) return Verdict::discard;
   if (view.cut && c.depth < deepest && wide_on_later(view)) return Verdict::refine;
-  if (c.depth < deepest && std::hypot(u.width(), v.width()) > kImageShare * window_) {
+  if (depth < deepest && std::hypot(u.width(), v.width()) > kImageShare * window_) {
     return Verdict::refine;
   }
-  if (c.depth < std::min(kFieldDepth, deepest) && varies(view)) return Verdict::refine;
-  if (c.depth < kBoundaryDepth && view.cut) return Verdict::refine;
-  if (c.depth < kBoundaryDepth) {
+  if (depth < std::min(kFieldDepth, deepest) && varies(view)) return Verdict::refine;
+  if (depth < kBoundaryDepth && view.cut) return Verdict::refine;
+  if (depth < kBoundaryDepth) {
     const double hidden = hidden_share(view).value_or(0.0);
     if (hidden > 0.0 && hidden < 1.0) return Verdict::refine;
   }
@@ -448,9 +454,7 @@ double Explorer::height(int boundary, int chart, const FieldPoint& f) const {
 // Where the edge between two corners crosses a boundary; once for both of its cells.
 Corner Explorer::crossing(int boundary, int chart, const Corner& a, const Corner& b) {
   const auto h = [&](const FieldPoint& f) { return height(boundary, chart, f); };
-  const auto place = [&](double w) {
-    return Vec2(a.s + w * (b.s - a.s), a.t + w * (b.t - a.t));
-  };
+  const auto place = [&](double w) { return Vec2(a.s + w * (b.s - a.s), a.t + w * (b.t - a.t)); };
   const auto [lo, hi] = std::minmax(a.sample, b.sample);
   const auto [known, fresh] = crossings_.try_emplace(std::array{lo, hi, boundary}, Corner{});
   if (!fresh) return known->second;
@@ -513,8 +517,8 @@ void Explorer::keep(const Square& c, const View& view) {
   std::vector<Corner> polygon;
   const int di[4] = {0, 1, 1, 0}, dj[4] = {0, 0, 1, 1};
   for (int k = 0; k < 4; ++k) {
-    polygon.push_back({coordinate(c.i + di[k] * c.size), coordinate(c.j + dj[k] * c.size),
-                       view.samples[k]});
+    polygon.push_back(
+        {coordinate(c.i + di[k] * c.size), coordinate(c.j + dj[k] * c.size), view.samples[k]});
   }
   const auto& cell = result_.charts[c.chart].cell;
   const bool whole = std::all_of(polygon.begin(), polygon.end(), [&](const Corner& corner) {
@@ -540,8 +544,8 @@ Exploration Explorer::run() {
   opening_ = find_opening();
   known_.reserve(4096);
   result_.samples.reserve(4096);
-  // Coarse cells first: if the finest ones are too many (kDeepCells), they are so far away, and what
-  // is near has been resolved before.
+  // Coarse cells first: if the finest ones are too many (kDeepCells), they are so far away, and
+  // what is near has been resolved before.
   std::deque<Square> queue;
   for (int chart = 0; chart < static_cast<int>(result_.charts.size()); ++chart) {
     for (int i = 0; i < base_; ++i) {
@@ -565,10 +569,11 @@ Exploration Explorer::run() {
     } else if (half < 2) {
       ++result_.unresolved;  // a coordinate of the middle would be no integer
     } else {
-      const int depth = c.depth + (verdict == Verdict::refine);
+      const int depth = c.depth + (verdict != Verdict::seek);
+      const int approached = c.approached + (verdict == Verdict::approach);
       for (const std::int64_t i : {std::int64_t{0}, half}) {
         for (const std::int64_t j : {std::int64_t{0}, half}) {
-          queue.push_back({c.chart, c.i + i, c.j + j, half, depth});
+          queue.push_back({c.chart, c.i + i, c.j + j, half, depth, approached});
         }
       }
     }

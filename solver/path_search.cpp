@@ -17,6 +17,8 @@ constexpr int kFoldDepth = 20;
 constexpr int kBrokenDepth = 7;
 // Cells none of whose nine places is lit are dark from here on.
 constexpr int kDarkDepth = 1;
+// A cell must be smaller than this many distances from a point light, to see what it lights.
+constexpr double kLightShare = 0.7;
 // Cells none of whose nine rays arrives, with nothing small between them, are taken for empty once
 // they look this small from the light.
 constexpr double kSeekShare = 0.05;
@@ -156,10 +158,11 @@ void PathSearch::make(Cell& cell) {
     valid += samples_[index[k]].valid;
     lit += samples_[index[k]].lit;
   }
-  if (lit == 0 && cell.depth >= kDarkDepth) return;
   for (int k = 0; k < 9; ++k) {
     radius = std::max(radius, (samples_[index[k]].x - samples_[index[4]].x).norm());
   }
+  const bool near = near_light(samples_[index[4]].x, radius);
+  if (lit == 0 && cell.depth >= kDarkDepth && !near) return;
   const auto outside = [&](const std::vector<geometry::Bound>& bounds) {
     return std::any_of(bounds.begin(), bounds.end(), [&](const auto& bound) {
       const Point& middle = samples_[index[4]].x;
@@ -167,6 +170,11 @@ void PathSearch::make(Cell& cell) {
     });
   };
   if (outside(*tracer_.first().bounds) || outside(charts_[cell.chart].cell)) return;
+  if (near) {
+    cell.seeks = true;
+    cell.kind = Kind::wide;
+    return;
+  }
   const Between missed = valid < 9 ? between_rays(index) : Between::dense;
   if (valid == 0 && missed != Between::perhaps) {
     const bool large =
@@ -241,6 +249,12 @@ int PathSearch::lit_from(const Point& x) const {
   Vec3 N;
   tracer_.first().shape->value_gradient(x, N);
   return N.dot(tracer_.incident(x)) < 0.0 ? 1 : -1;
+}
+
+// Is the cell large against its distance from a point light?
+bool PathSearch::near_light(const Point& middle, double radius) const {
+  const auto* point = std::get_if<PointLight>(&tracer_.light());
+  return point && radius > kLightShare * (middle - point->position).norm();
 }
 
 // Square root of a cell's solid angle from the light.

@@ -70,6 +70,7 @@ class PathSearch {
   int sample(int chart, std::int64_t i, std::int64_t j);
   void make(Cell& cell);
   int lit_from(const Point& x) const;
+  bool near_light(const Point& middle, double radius) const;
   double apparent_size(const Point& middle, double radius) const;
   Between between_rays(const std::array<int, 9>& samples) const;
   bool jumps(const std::array<int, 9>& samples) const;

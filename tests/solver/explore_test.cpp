@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "solver/contours.h"
+#include "solver/point_irradiance.h"
 
 namespace caustic::solver {
 namespace {
@@ -93,6 +95,33 @@ TEST(Explore, a_sphere_with_either_sign_of_its_coefficients) {
     }
     EXPECT_GT(curves[0], 0u);
     EXPECT_EQ(curves[0], curves[1]);
+  }
+}
+
+// A light so near above a ball of air in glass that it lights next to nothing of it. On the axis
+// below E → I (n_air/n_glass)²/depth², since dΩ_air = (n_glass/n_air)² dΩ_glass there. The meter
+// has a search of its own.
+TEST(Explore, what_a_near_light_lights_is_found) {
+  const Optics glass_outside{Optics::Kind::refract, 1.0, {}, 1.5, 1.0};
+  for (const double height : {1e-3, 1e-5, 1e-8}) {
+    const auto system =
+        OpticalSystem::build(PointLight{{0, 0, 1.0 + height}, 1.0},
+                             {{"ball", make_sphere({0, 0, 0}, 1.0), {}, glass_outside, {}}},
+                             ReceiverFrame::make({0, 0, 0.9}, {1, 0, 0}, {0, 1, 0}, {0.2, 0.2}));
+    LightMeter meter(system, {}, false);
+    EXPECT_NEAR(meter.at({0, 0}).E, 1.0 / 2.25 / 0.01, 1e3 * height) << height;
+    ContourRequest request;
+    request.levels.values = {8.0, 20.0, 40.0};
+    const auto result = trace_contours(system, request);
+    std::map<double, int> vertices;
+    for (const Curve& curve : result.curves) {
+      for (const CurveVertex& v : curve.vertices) {
+        if (++vertices[curve.level] % 20 != 1) continue;
+        // Rounding of the place moves E by its share of the height.
+        EXPECT_NEAR(meter.at(v.uv).E / curve.level, 1.0, 1e-8 + 5e-14 / height);
+      }
+    }
+    EXPECT_EQ(vertices.size(), 3u) << height;
   }
 }
 
