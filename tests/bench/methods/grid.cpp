@@ -109,7 +109,7 @@ Drawing draw_grid(const Scene& scene, double points, bool project) {
 }  // namespace
 
 std::vector<Method> grid_methods() {
-  const std::vector<double> sides{64, 128, 256, 512, 1024, 2048};
+  const std::vector<double> sides{16, 32, 64, 128, 256, 512, 1024, 2048};
   const auto method = [&](const char* name, bool project) {
     return Method{name, solver::Measure::total, sides,
                   [project](const Scene& scene, double n) { return draw_grid(scene, n, project); }};
