@@ -19,6 +19,9 @@ namespace {
 // Default chord tolerance and margin of Embree's boxes, as shares of the receiver and of the scene.
 constexpr double kDefaultChordShare = 1e-4;
 constexpr double kMarginShare = 1e-2;
+// A total is traced no coarser: what lies within a chord of an arc could not be told from it, and
+// closed arcs beside others would be lost.
+constexpr double kCoarsestTotal = 2e-3;
 // The corrector aims at this share of the tolerance, and at least at kResidual: positions have to
 // be good even where irradiance may be coarse.
 constexpr double kResidualShare = 0.1;
@@ -386,7 +389,8 @@ void Run::add_total() {
   const TotalExtras extras{request_.boundaries, request_.critical_points, request_.regions};
   const bool wanted = !result_.levels.empty() || extras.any() || request_.observer;
   if (fields.empty() || !wanted) return;
-  TotalContours total = trace_total(system_, fields, result_.levels, chord_, residual_, extras,
+  const double chord = std::min(chord_, kCoarsestTotal * system_.receiver().width());
+  TotalContours total = trace_total(system_, fields, result_.levels, chord, residual_, extras,
                                     budget_, request_.observer, prover_.total());
   result_.critical_points = std::move(total.critical_points);
   result_.regions = std::move(total.regions);

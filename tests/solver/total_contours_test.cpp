@@ -206,6 +206,17 @@ TEST(TotalContours, OfACuboid) {
   expect_areas(system, result, 8e-4, 2000);  // a reading takes a third of a millisecond
 }
 
+// A closed arc that keeps to within a coarse chord of a jump is drawn all the same.
+TEST(TotalContours, OfACuboidCoarsely) {
+  const auto system = test::cuboid_over_floor();
+  const std::vector<double> levels{0.010316681617751924};
+  const auto coarse = total_of(system, levels, 0.08), fine = total_of(system, levels, 8e-4);
+  for (const auto& w : coarse.warnings) ADD_FAILURE() << w.code << w.detail;
+  EXPECT_EQ(coarse.curves.size(), fine.curves.size());
+  EXPECT_LE(farthest(coarse, fine, levels[0]), 0.08);
+  EXPECT_LE(farthest(fine, coarse, levels[0]), 0.08);
+}
+
 TEST(TotalContours, OfATorus) {
   const auto system = test::torus_beside_lamp();
   const auto result = total_of(system, {0.001, 0.003, 0.01, 0.02}, 8e-4);
