@@ -71,8 +71,9 @@ class Tracer final : public DirectionField {
 
   bool direction(const Point& x, Vec3& t) override {
     const FieldPoint f = evaluate_(x, near_);
+    if (!f.finite) return false;  // then there are no hits, of which a boundary's tangent may ask
     t = sign_ * level_.tangent(f);
-    return f.finite && t.squaredNorm() > 0.5;
+    return t.squaredNorm() > 0.5;
   }
   // The corrector works where the predictor asks for its last stage, which costs no evaluation
   // then.

@@ -502,6 +502,11 @@ RealImplicit reference_implicit(const ShapeSpec& spec, const std::array<Real, 3>
   return {at.value, at.gradient};
 }
 
+LongImplicit reference_implicit(const ShapeSpec& spec, const std::array<long double, 3>& x) {
+  const auto at = implicit<long double>(spec, x);
+  return {at.value, at.gradient};
+}
+
 ReferenceShape reference_shape(const ShapeSpec& spec, const Point& point) {
   const V<Real> x = from<Real>(point);
   const auto here = implicit<Real>(spec, x);

@@ -18,4 +18,11 @@ struct RealImplicit {
 /// g (or any multiple of it) and its gradient.
 RealImplicit reference_implicit(const ShapeSpec& spec, const std::array<Real, 3>& x);
 
+/// The same with 64 bits of mantissa, for what is asked often.
+struct LongImplicit {
+  long double value;
+  std::array<long double, 3> gradient;
+};
+LongImplicit reference_implicit(const ShapeSpec& spec, const std::array<long double, 3>& x);
+
 }  // namespace caustic::test

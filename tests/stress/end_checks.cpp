@@ -1,0 +1,98 @@
+// Curves of single sheets: nothing in the way inside, and at the ends what they are named after.
+#include <cmath>
+
+#include "tests/stress/checks.h"
+
+namespace caustic::stress {
+namespace {
+
+using solver::Curve;
+using solver::CurveKind;
+using solver::Ending;
+
+std::string words(const std::set<Ending>& endings) {
+  std::string out;
+  for (const Ending e : endings) out += std::string(out.empty() ? "" : ", ") + solver::to_string(e);
+  return out.empty() ? "nothing" : out;
+}
+
+bool is_path_curve(const Curve& c) {
+  return c.family_id >= 0 && (c.kind == CurveKind::isolux || c.kind == CurveKind::caustic) &&
+         c.vertices.size() >= 2;
+}
+
+bool has_stopped(const Trial& trial) {
+  for (const auto& [code, detail] : trial.result.warnings)
+    if (code == "limit" || code == "stalled") return true;
+  return !trial.result.complete;
+}
+
+Finding wrong_end(const Subject& s, const Curve& c, bool front) {
+  const std::size_t n = c.vertices.size();
+  const Ending name = c.ends[front ? 0 : 1];
+  if (name == Ending::limit)
+    return has_stopped(s.trial) ? Finding() : Finding("limit, and no warning says so");
+  const auto& end = c.vertices[front ? 0 : n - 1];
+  const auto& before = c.vertices[front ? 1 : n - 2];
+  const auto& inside = c.vertices[n / 2];
+  const Family& family = family_of(s.trial, c);
+  const auto sides =
+      s.oracle.sides(family, inside.x, s.oracle.distances(family, inside.x, inside.uv));
+  auto near = s.oracle.distances(family, end.x, end.uv);
+  if (near.empty()) near = s.oracle.distances(family, before.x, before.uv);
+  const double last_step = (end.x - before.x).norm();
+  if (near.empty() || sides.size() != family.size() || last_step == 0.0) return std::nullopt;
+  const Vec3 on = (end.x - before.x) / last_step;
+  std::set<Ending> seen;
+  for (double step = 1e-13; step < 0.02; step *= 10.0) {
+    const double by = step * s.oracle.size();
+    const auto after = s.oracle.broken(family, end.x + by * on, near, sides);
+    seen.insert(after.begin(), after.end());
+    if (after.contains(name) &&
+        !s.oracle.broken(family, end.x - std::min(by, 0.9 * last_step) * on, near, sides)
+             .contains(name))
+      return std::nullopt;
+  }
+  return text("named %s, past it: ", solver::to_string(name)) + words(seen);
+}
+
+}  // namespace
+
+Finding check_seen(const Subject& s) {
+  const auto& curves = s.trial.result.curves;
+  for (const std::size_t k : spread_over(curves.size(), 8 * s.effort)) {
+    const Curve& c = curves[k];
+    if (!is_path_curve(c) || late(s)) continue;
+    for (const std::size_t i : spread_over(c.vertices.size(), 4)) {
+      const auto& v = c.vertices[i];
+      const double from_end =
+          std::min((v.x - c.vertices.front().x).norm(), (v.x - c.vertices.back().x).norm());
+      if (!c.closed && from_end < 1e-5 * s.oracle.size()) continue;
+      const Family& family = family_of(s.trial, c);
+      const auto near = s.oracle.distances(family, v.x, v.uv);
+      if (near.size() != family.size()) continue;  // the check of vertices says so
+      const auto why = s.oracle.broken(family, v.x, near, {});
+      // On an edge of something within rounding it may go either way.
+      if (!why.empty())
+        return name_of(s.trial, k) + text(", vertex %zu of %zu: ", i, c.vertices.size()) +
+               words(why);
+    }
+  }
+  return std::nullopt;
+}
+
+Finding check_ends(const Subject& s) {
+  const auto& curves = s.trial.result.curves;
+  for (const std::size_t k : spread_over(curves.size(), 12 * s.effort)) {
+    const Curve& c = curves[k];
+    if (c.closed != c.ends.empty() || (!c.closed && c.ends.size() != 2))
+      return name_of(s.trial, k) + text(": closed %d with %zu ends", c.closed, c.ends.size());
+    if (c.closed || !is_path_curve(c) || late(s)) continue;
+    for (const bool front : {true, false})
+      if (const auto wrong = wrong_end(s, c, front))
+        return name_of(s.trial, k) + (front ? ", first end " : ", last end ") + *wrong;
+  }
+  return std::nullopt;
+}
+
+}  // namespace caustic::stress
