@@ -25,12 +25,23 @@ SurfaceDerivatives SagSurface::derivatives(const Point& x) const {
   return {y.z() - h.f, axes_ * Vec3(-h.d1[0], -h.d1[1], 1.0), axes_ * H * axes_.transpose()};
 }
 
-Vec3 SagSurface::third_derivative(const Point& x, const Vec3& u, const Vec3& v) const {
-  const Vec3 y = local(x);
-  const auto d = height_jet(y.x(), y.y()).d3;
+Vec3 SagSurface::contracted(const HeightJet& h, const Vec3& u, const Vec3& v) const {
+  const auto& d = h.d3;
   const Vec2 a = (axes_.transpose() * u).head<2>(), b = (axes_.transpose() * v).head<2>();
   const double xx = a.x() * b.x(), xy = a.x() * b.y() + a.y() * b.x(), yy = a.y() * b.y();
   return axes_ * -Vec3(d[0] * xx + d[1] * xy + d[2] * yy, d[1] * xx + d[2] * xy + d[3] * yy, 0.0);
+}
+
+Vec3 SagSurface::third_derivative(const Point& x, const Vec3& u, const Vec3& v) const {
+  const Vec3 y = local(x);
+  return contracted(height_jet(y.x(), y.y()), u, v);
+}
+
+// The jet is what takes time.
+ThirdDerivatives SagSurface::third_derivatives(const Point& x, const Vec3& u, const Vec3& v) const {
+  const Vec3 y = local(x);
+  const HeightJet h = height_jet(y.x(), y.y());
+  return {contracted(h, u, u), contracted(h, u, v), contracted(h, v, v)};
 }
 
 SurfaceEnclosure SagSurface::enclose(const IntervalVec3& x) const {

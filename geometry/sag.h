@@ -26,12 +26,14 @@ class SagSurface : public Surface {
   double value_gradient(const Point& x, Vec3& gradient) const final;
   SurfaceDerivatives derivatives(const Point& x) const final;
   Vec3 third_derivative(const Point& x, const Vec3& u, const Vec3& v) const final;
+  ThirdDerivatives third_derivatives(const Point& x, const Vec3& u, const Vec3& v) const final;
   SurfaceEnclosure enclose(const IntervalVec3& x) const final;
   IntervalSym333 enclose_third(const IntervalVec3& x) const final;
 
  protected:
   SagSurface(const Point& origin, const Mat3& axes) : o_(origin), axes_(axes) {}
 
+  Vec3 contracted(const HeightJet& h, const Vec3& u, const Vec3& v) const;
   virtual double height(double x, double y) const = 0;
   virtual double height_slope(double x, double y, Vec2& slope) const = 0;
   virtual HeightJet height_jet(double x, double y) const = 0;
