@@ -73,8 +73,9 @@ struct Box {
   Box intersected(const Box& other) const {
     return {min.cwiseMax(other.min), max.cwiseMin(other.max)};
   }
-  /// False only if the segment ray(0…1) misses the box widened by `margin`.
-  bool may_meet(const Ray& ray, double margin) const {
+  /// Where the segment ray(0…1) is in the box widened by `margin`: from the first parameter to the
+  /// second, nowhere if that is less.
+  std::pair<double, double> span_of(const Ray& ray, double margin) const {
     double enter = 0.0, leave = 1.0;
     for (int i = 0; i < 3; ++i) {
       const double inverse = 1.0 / ray.direction[i];
@@ -85,6 +86,11 @@ struct Box {
       if (near > enter) enter = near;
       if (far < leave) leave = far;
     }
+    return {enter, leave};
+  }
+  /// False only if the segment ray(0…1) misses the box widened by `margin`.
+  bool may_meet(const Ray& ray, double margin) const {
+    const auto [enter, leave] = span_of(ray, margin);
     return enter <= leave;
   }
   static Box around(const Point& center, double radius) {

@@ -185,7 +185,7 @@ class Wanderer {
     const int side = N.dot(d) < 0.0 ? 1 : -1;
     // Anything on the way from the light?
     const bool point = std::holds_alternative<PointLight>(system_.light());
-    const geometry::Ray back{x, point ? Vec3(-d) : Vec3(-reach(x) * d)};
+    const geometry::Ray back{x, point ? Vec3(-d) : Vec3(-system_.reach(x) * d)};
     const auto blocker = first_hit(back, surface);
     if (blocker && blocker->tau < 1.0 - 1e-9) return;
     surfaces_.clear();
@@ -199,14 +199,6 @@ class Wanderer {
     double tau;
     int surface, side;
   };
-
-  double reach(const Point& x) const {
-    double far = 0.0;
-    for (const auto& s : system_.surfaces()) {
-      far = std::max(far, (s.region.center() - x).norm() + s.region.diagonal());
-    }
-    return far;
-  }
 
   // The first surface that exists on the ray, which begins on the surface `own`.
   std::optional<Meeting> first_hit(const geometry::Ray& ray, int own) {
@@ -222,7 +214,7 @@ class Wanderer {
     };
     if (embree_) {
       candidates_.clear();
-      embree_->candidates(ray, reach(ray.origin) / ray.direction.norm(), candidates_);
+      embree_->candidates(ray, system_.reach(ray.origin) / ray.direction.norm(), candidates_);
       for (const int i : candidates_) ask(i);
     } else {
       for (int i = 0; i < static_cast<int>(system_.surfaces().size()); ++i) ask(i);

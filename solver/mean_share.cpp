@@ -13,21 +13,6 @@ constexpr unsigned kMaxShareHalvings = 14;
 // Surfaces are followed this far beyond the box of what exists of them, in its diagonals.
 constexpr double kBeyond = 0.05;
 
-// Where the ray is within a box; empty if nowhere.
-std::pair<double, double> inside(const geometry::Box& box, double margin,
-                                 const geometry::Ray& ray) {
-  double enter = 0.0, leave = 1.0;
-  for (int i = 0; i < 3; ++i) {
-    double near = (box.min[i] - margin - ray.origin[i]) / ray.direction[i];
-    double far = (box.max[i] + margin - ray.origin[i]) / ray.direction[i];
-    if (ray.direction[i] < 0.0) std::swap(near, far);
-    // In the box's own plane 0/0 keeps the bounds.
-    if (near > enter) enter = near;
-    if (far < leave) leave = far;
-  }
-  return {enter, leave};
-}
-
 }  // namespace
 
 MeanShare::MeanShare(const ForwardMap& map, const Vec3& axis)
@@ -44,7 +29,7 @@ MeanShare::MeanShare(const ForwardMap& map, const Vec3& axis)
 double MeanShare::on_ray(const geometry::Ray& ray) const {
   geometry::RayParameters crossings;
   const geometry::Box& box = map_.mirror().region;
-  const auto [begin, end] = inside(box, kBeyond * box.diagonal(), ray);
+  const auto [begin, end] = box.span_of(ray, kBeyond * box.diagonal());
   if (!(begin < end)) return 0.0;
   map_.shape().crossings(ray, begin, end, crossings);
   std::optional<Point> hit;

@@ -65,6 +65,13 @@ OpticalSystem OpticalSystem::build(Light light, std::vector<SystemSurface> surfa
         geometry::ball(system.center_, clip, geometry::Bound::Origin::clip));
     surface.region = surface.region.intersected(geometry::Box::around(system.center_, clip));
   }
+  system.extent_ = {geometry::Point::Constant(geometry::kInfinity),
+                    geometry::Point::Constant(-geometry::kInfinity)};
+  for (const SystemSurface& surface : surfaces) {
+    if (surface.region.empty()) continue;
+    include(system.extent_, surface.region.min);
+    include(system.extent_, surface.region.max);
+  }
   system.light_ = std::move(light);
   system.surfaces_ = std::move(surfaces);
   system.receiver_ = receiver;

@@ -45,6 +45,12 @@ class OpticalSystem {
   /// Diameter of {receiver, bounded surfaces, point light}: the scale of the scene.
   double diameter() const { return diameter_; }
   const geometry::Point& center() const { return center_; }
+  /// The box of all that exists of the surfaces.
+  const geometry::Box& extent() const { return extent_; }
+  /// So far from x every surface has been passed.
+  double reach(const geometry::Point& x) const {
+    return (extent_.center() - x).norm() + extent_.diagonal();
+  }
 
  private:
   Light light_;
@@ -52,6 +58,7 @@ class OpticalSystem {
   geometry::ReceiverFrame receiver_;
   SystemSurface receiver_plane_;
   geometry::Point center_;
+  geometry::Box extent_;
   double diameter_ = 0.0;
 };
 

@@ -16,9 +16,12 @@ namespace caustic::solver {
 
 namespace {
 
-// Default chord tolerance and margin of Embree's boxes, as shares of the receiver and of the scene.
+// Default chord tolerance, as a share of the receiver.
 constexpr double kDefaultChordShare = 1e-4;
+// What is further from a segment than this is not asked how far: a share of the scene, and in a
+// hierarchy, where it would else be the more surfaces the smaller they are, of the surfaces' sizes.
 constexpr double kMarginShare = 1e-2;
+constexpr double kMarginSizes = 0.25;
 // A total is traced no coarser: what lies within a chord of an arc could not be told from it, and
 // closed arcs beside others would be lost.
 constexpr double kCoarsestTotal = 2e-3;
@@ -50,6 +53,16 @@ std::string number(double value) {
   text.precision(6);
   text << value;
   return text.str();
+}
+
+double margin_for(const OpticalSystem& system, bool embree) {
+  const double margin = kMarginShare * system.diameter();
+  if (!embree) return margin;
+  std::vector<double> sizes;
+  for (const SystemSurface& surface : system.surfaces()) sizes.push_back(surface.region.diagonal());
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  return std::min(margin, kMarginSizes * *middle);
 }
 
 class Run {
@@ -158,7 +171,7 @@ void Run::explore() {
   const bool direct = request_.direct && measure_ == Measure::total;
   const Plan plan = make_plan(system_, families, direct, request_.no_skip);
   result_.skipped = plan.skipped;
-  const double margin = kMarginShare * system_.diameter();
+  const double margin = margin_for(system_, plan.embree);
   if (plan.embree) {
     std::vector<geometry::Box> boxes;
     for (const SystemSurface& surface : system_.surfaces()) boxes.push_back(surface.region);

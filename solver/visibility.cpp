@@ -50,12 +50,8 @@ Visibility::Way Visibility::way(const Hops& hops, const LightPath& path) const {
   if (const auto* point = std::get_if<PointLight>(&system_.light())) {
     to_light.ray.direction = point->position - path.x();
   } else {
-    // Far enough to have passed every surface.
-    double reach = 0.0;
-    for (const auto& s : system_.surfaces()) {
-      reach = std::max(reach, (s.region.center() - path.x()).norm() + s.region.diagonal());
-    }
-    to_light.ray.direction = -reach * std::get<CollimatedLight>(system_.light()).direction;
+    to_light.ray.direction =
+        -system_.reach(path.x()) * std::get<CollimatedLight>(system_.light()).direction;
   }
   Way way{{to_light}, 1};
   for (std::size_t j = 0; j < hops.size(); ++j) {
@@ -155,11 +151,20 @@ Room Visibility::room(const Segment& segment) const {
     found.clear();
     candidates_->candidates(segment.ray, 1.0, found);
     for (const int surface : found) ask(surface);
-    free = either(free, {1.0 / margin_, 1.0 / margin_});
+    free = either(free, room_beside(segment));
   } else {
     for (int i = 0; i < static_cast<int>(system_.surfaces().size()); ++i) ask(i);
   }
   return hidden ? Room{true, depth} : Room{false, free};
+}
+
+// Before surfaces whose boxes are further away than the margin. Beyond the box of all surfaces none
+// is in the way, so the end counts only by what it moves the part that is within (S13).
+RoomUse Visibility::room_beside(const Segment& segment) const {
+  const double least = 1.0 / margin_;
+  if (!system_.extent().may_meet(segment.ray, 0.0)) return {least, least};
+  const auto [enter, leave] = system_.extent().span_of(segment.ray, margin_);
+  return {least * (1.0 - enter), least * leave};
 }
 
 Room Visibility::room(const Segment& segment, int index) const {

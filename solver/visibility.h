@@ -72,6 +72,7 @@ class Visibility {
   bool free_of_own(const Segment& segment, int surface) const;
   void crossings(const Segment& segment, int surface, geometry::RayParameters& out) const;
   Room room(const Segment& segment) const;
+  RoomUse room_beside(const Segment& segment) const;
   Room room(const Segment& segment, int surface) const;
 
   const OpticalSystem& system_;
