@@ -108,7 +108,7 @@ void keep_to_one_core() {
   if (sched_setaffinity(0, sizeof one, &one) != 0) std::cerr << "more than one core is used\n";
 }
 
-int main(int argc, char** argv) {
+int answer(int argc, char** argv) {
   Options options;
   CLI::App app{"Run time against error of methods that draw level curves"};
   app.add_option("--scene", options.scenes, "only these")->check(CLI::IsMember(scene_names()));
@@ -142,4 +142,9 @@ int main(int argc, char** argv) {
 }  // namespace
 }  // namespace caustic::bench
 
-int main(int argc, char** argv) { return caustic::bench::main(argc, argv); }
+int main(int argc, char** argv) try {
+  return caustic::bench::answer(argc, argv);
+} catch (const std::exception& fault) {
+  std::fprintf(stderr, "%s\n", fault.what());
+  return 1;
+}

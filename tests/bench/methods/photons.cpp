@@ -70,7 +70,7 @@ class Emitter {
 // Arrivals in the squares of a grid, and the distance of the k-th nearest.
 class PhotonMap {
  public:
-  PhotonMap(std::vector<Vec2> photons, const Vec2& half, double k) : half_(half) {
+  PhotonMap(const std::vector<Vec2>& photons, const Vec2& half, double k) : half_(half) {
     const double area = 4.0 * half.x() * half.y();
     // A square holds about a quarter of k.
     size_ = std::sqrt(
@@ -175,14 +175,15 @@ Drawing draw_photons(const Scene& scene, double photons) {
   Flight fly(scene);
   const Vec2 half = kMargin * scene.system.receiver().half;
   std::vector<Vec2> arrived;
-  for (double i = 0.0; i < photons; ++i) {
-    const auto q = fly(emit(i));
+  const auto count = static_cast<std::uint64_t>(photons);
+  for (std::uint64_t i = 0; i < count; ++i) {
+    const auto q = fly(emit(static_cast<double>(i)));
     if (q && (q->cwiseAbs().array() <= half.array()).all()) arrived.push_back(*q);
   }
   const auto k = static_cast<std::size_t>(neighbours(static_cast<double>(arrived.size())));
   const int n = side(static_cast<double>(arrived.size()), static_cast<double>(k));
   const double each = emit.light() / photons;
-  PhotonMap map(std::move(arrived), half, static_cast<double>(k));
+  PhotonMap map(arrived, half, static_cast<double>(k));
   return {marching_squares(scene, n, n,
                            [&](const Vec2& q) {
                              // The k-th lies on the edge of the disc, which holds k − 1.

@@ -20,6 +20,7 @@ const std::map<std::string, std::string> kExamples{{"A1", "sphere-ceiling"}, {"A
 const std::vector<std::string>& scene_names() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> all;
+    all.reserve(kExamples.size());
     for (const auto& [name, example] : kExamples) all.push_back(name);
     return all;
   }();

@@ -14,7 +14,7 @@ struct Truth {
   std::vector<std::vector<int>> kinds;         ///< of each line: a level arc, or a jump
   std::vector<test::NearestOnLines> nearest;
 };
-enum LineKind { kLevelArc, kJump, kLineKinds };
+inline constexpr int kLevelArc = 0, kJump = 1, kLineKinds = 2;
 
 Truth make_truth(const Scene& scene, solver::Measure measure);
 
