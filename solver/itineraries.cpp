@@ -17,6 +17,12 @@ namespace {
 // Rays from each surface.
 constexpr int kRays = 4096;
 constexpr int kLeastSide = 6;  // of a chart, in rays
+// Where an aperture leaves fewer of them the surface is divided, at most so often and into so many.
+constexpr int kLeastRays = 400;
+constexpr int kApertureLevels = 30;
+constexpr std::size_t kMostPatches = 40000;
+// The corners underestimate a patch's radius on curved charts.
+constexpr double kPatchRadius = 1.3;
 // Where none of these gets through, cells of the charts, so many a side at first, are divided for
 // what is small: at most so often, so many at once, and so often where rays miss different
 // surfaces.
@@ -36,9 +42,9 @@ double outside_by(const SystemSurface& surface, const Point& x) {
 /// Calls back with points spread over the surface, whether they exist or not.
 template <class Action>
 void for_each_point(const OpticalSystem& system, const SystemSurface& surface, const Action& act) {
-  const auto charts =
-      surface.shape->charts({surface.region, system.center(), system.diameter()});
-  const double each = std::sqrt(kRays / static_cast<double>(std::max<std::size_t>(charts.size(), 1)));
+  const auto charts = surface.shape->charts({surface.region, system.center(), system.diameter()});
+  const double each =
+      std::sqrt(kRays / static_cast<double>(std::max<std::size_t>(charts.size(), 1)));
   const int n = std::max(kLeastSide, static_cast<int>(each));
   for (const auto& chart : charts) {
     for (int i = 0; i < n; ++i) {
@@ -47,6 +53,61 @@ void for_each_point(const OpticalSystem& system, const SystemSurface& surface, c
         if (x.allFinite() && geometry::exists_at(chart.cell, x)) act(x);
       }
     }
+  }
+}
+
+/// Calls back with points spread over the part of the surface that exists, however small an
+/// aperture leaves it: where few are found, what is not outside of the aperture is divided.
+template <class Action>
+void for_each_existing_point(const OpticalSystem& system, const SystemSurface& surface,
+                             const Action& act) {
+  struct Patch {
+    const geometry::Chart* chart;
+    double s, t, half;
+  };
+  const auto charts = surface.shape->charts({surface.region, system.center(), system.diameter()});
+  const auto middle = [](const Patch& p) { return p.chart->point(p.s, p.t); };
+  const auto outside = [&](const Patch& p) {
+    const Point x = middle(p);
+    double radius = 0.0;
+    for (const double i : {-p.half, p.half}) {
+      for (const double j : {-p.half, p.half})
+        radius = std::max(radius, (p.chart->point(p.s + i, p.t + j) - x).norm());
+    }
+    return std::isfinite(radius) &&
+           std::any_of(surface.bounds.begin(), surface.bounds.end(), [&](const auto& bound) {
+             return bound.lower_bound_within(x, kPatchRadius * radius) > 0.0;
+           });
+  };
+  const double slack = kExistsShare * system.diameter();
+  const auto exists = [&](const Patch& p) {
+    const Point x = middle(p);
+    return x.allFinite() && geometry::exists_at(p.chart->cell, x) &&
+           outside_by(surface, x) <= slack;
+  };
+  const double each =
+      std::sqrt(kRays / static_cast<double>(std::max<std::size_t>(charts.size(), 1)));
+  const int n = std::max(kLeastSide, static_cast<int>(each));
+  std::vector<Patch> patches;
+  for (const auto& chart : charts) {
+    for (int k = 0; k < n * n; ++k)
+      patches.push_back({&chart, (k % n + 0.5) / n, (k / n + 0.5) / n, 0.5 / n});
+  }
+  for (int level = 0; level < kApertureLevels; ++level) {
+    if (std::count_if(patches.begin(), patches.end(), exists) >= kLeastRays) break;
+    std::vector<Patch> finer;
+    for (const Patch& p : patches) {
+      if (outside(p)) continue;
+      const double half = 0.5 * p.half;
+      for (const double i : {-half, half}) {
+        for (const double j : {-half, half}) finer.push_back({p.chart, p.s + i, p.t + j, half});
+      }
+    }
+    if (finer.size() > kMostPatches) break;
+    patches.swap(finer);
+  }
+  for (const Patch& p : patches) {
+    if (exists(p)) act(middle(p));
   }
 }
 
@@ -104,7 +165,8 @@ Vec3 incident(const Light& light, const Point& x) {
 // Follows one ray along a family, both ways where it is open which part of a surface it meets.
 class SideFinder {
  public:
-  SideFinder(const OpticalSystem& system, const std::vector<int>& surfaces, std::set<std::vector<int>>& out)
+  SideFinder(const OpticalSystem& system, const std::vector<int>& surfaces,
+             std::set<std::vector<int>>& out)
       : system_(system), surfaces_(surfaces), slack_(kExistsShare * system.diameter()), out_(out) {}
 
   /// The ray that meets the first surface at x from `side`; what it misses, if it does. Nothing if
@@ -278,13 +340,10 @@ std::vector<Hops> sides_of(const OpticalSystem& system, const std::vector<int>& 
 std::vector<std::vector<int>> families_that_occur(const OpticalSystem& system, int max_bounces,
                                                   Arrival arrival) {
   Wanderer wanderer(system, max_bounces, arrival);
-  const double slack = kExistsShare * system.diameter();
   for (int i = 0; i < static_cast<int>(system.surfaces().size()); ++i) {
     const SystemSurface& surface = system.surfaces()[i];
     if (!surface.optics.passes_light_on()) continue;
-    for_each_point(system, surface, [&](const Point& x) {
-      if (outside_by(surface, x) <= slack) wanderer.start(i, x);
-    });
+    for_each_existing_point(system, surface, [&](const Point& x) { wanderer.start(i, x); });
   }
   std::vector<std::vector<int>> out(wanderer.found.begin(), wanderer.found.end());
   std::stable_sort(out.begin(), out.end(),

@@ -5,6 +5,7 @@
 
 #include "solver/contours.h"
 #include "solver/forward_map.h"
+#include "solver/itineraries.h"
 #include "tests/support/reference.h"
 #include "tests/support/sampling.h"
 #include "tests/support/thorough.h"
@@ -330,6 +331,26 @@ TEST(Families, MirrorSymmetry) {
     EXPECT_NEAR(length[i], length[i + 1], 1e-2 * length[i]) << i;
     EXPECT_NEAR(result.families[i].flux, result.families[i + 1].flux,
                 1e-6 * result.families[i].flux);
+  }
+}
+
+// Two hollow mirrors of the same sphere's size face each other; of each an aperture leaves a disc
+// about as wide as they are apart.
+TEST(Families, OfSmallPartsOfLargeSurfacesOccur) {
+  for (const double apart : {1.0, 1e-2, 1e-4}) {
+    const auto mirror = [&](const char* name, double z) {
+      return SystemSurface{
+          .name = name,
+          .shape = geometry::make_sphere({0.3 * apart, 0, z < 0 ? -50.0 : 50.0 + apart}, 50.0),
+          .bounds = geometry::box_aperture({-apart, -apart, -apart}, {apart, apart, 2 * apart}),
+          .optics = {}};
+    };
+    const auto system = OpticalSystem::build(
+        PointLight{{0, 0, 0.5 * apart}, 1.0}, {mirror("below", -1), mirror("above", 1)},
+        geometry::ReceiverFrame::make({apart, 0, 0.5 * apart}, {0, 1, 0}, {0, 0, 1},
+                                      {2 * apart, 0.8 * apart}));
+    EXPECT_EQ(families_up_to(system, 2), (std::vector<std::vector<int>>{{0}, {1}, {0, 1}, {1, 0}}))
+        << apart;
   }
 }
 
