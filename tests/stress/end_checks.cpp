@@ -27,6 +27,19 @@ bool has_stopped(const Trial& trial) {
   return !trial.result.complete;
 }
 
+/// On from an end: the tangent of the parabola through the last three vertices, and the last chord.
+std::vector<Vec3> ways_on(const Curve& c, bool front) {
+  const std::size_t n = c.vertices.size();
+  const auto x = [&](std::size_t i) -> const Point& { return c.vertices[front ? i : n - 1 - i].x; };
+  const double last = (x(0) - x(1)).norm();
+  if (last == 0.0) return {};
+  const Vec3 chord = (x(0) - x(1)) / last;
+  if (n < 3 || (x(1) - x(2)).norm() == 0.0) return {chord};
+  const double before = (x(1) - x(2)).norm();
+  const Vec3 bend = chord - (x(1) - x(2)) / before;
+  return {(chord + last / (last + before) * bend).normalized(), chord};
+}
+
 Finding wrong_end(const Subject& s, const Curve& c, bool front) {
   const std::size_t n = c.vertices.size();
   const Ending name = c.ends[front ? 0 : 1];
@@ -40,19 +53,20 @@ Finding wrong_end(const Subject& s, const Curve& c, bool front) {
       s.oracle.sides(family, inside.x, s.oracle.distances(family, inside.x, inside.uv));
   auto near = s.oracle.distances(family, end.x, end.uv);
   if (near.empty()) near = s.oracle.distances(family, before.x, before.uv);
-  const double last_step = (end.x - before.x).norm();
-  if (near.empty() || sides.size() != family.size() || last_step == 0.0) return std::nullopt;
-  const Vec3 on = (end.x - before.x) / last_step;
+  if (near.empty() || sides.size() != family.size()) return std::nullopt;
+  const double back = 0.9 * (end.x - before.x).norm();
+  const auto broken = [&](const Point& x) { return s.oracle.broken(family, x, near, sides); };
   std::set<Ending> seen;
-  for (double step = 1e-13; step < 0.02; step *= 10.0) {
-    const double by = step * s.oracle.size();
-    const auto after = s.oracle.broken(family, end.x + by * on, near, sides);
-    seen.insert(after.begin(), after.end());
-    if (after.contains(name) &&
-        !s.oracle.broken(family, end.x - std::min(by, 0.9 * last_step) * on, near, sides)
-             .contains(name))
-      return std::nullopt;
+  for (const Vec3& on : ways_on(c, front)) {
+    for (double step = 1e-13; step < 0.02; step *= 10.0) {
+      const double by = step * s.oracle.size();
+      const auto after = broken(end.x + by * on);
+      seen.insert(after.begin(), after.end());
+      if (after.contains(name) && !broken(end.x - std::min(by, back) * on).contains(name))
+        return std::nullopt;
+    }
   }
+  if (back == 0.0) return std::nullopt;
   return text("named %s, past it: ", solver::to_string(name)) + words(seen);
 }
 
