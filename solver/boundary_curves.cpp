@@ -82,14 +82,20 @@ BoundaryCurves curves_along(SheetCarrier& carrier, int field, BoundaryKind kind,
   out.unresolved += task.lost_seeds;
   for (const Trace& trace : task.traces) {
     BoundaryCurve curve{kind, field, function.boundary, trace.closed, {}, {}};
+    std::size_t ended = 0;  // a path that is on the edge of ending may have ended by rounding
     for (std::size_t i = 0; i < trace.vertices.size() && !budget.out_of_time(); ++i) {
       const Hit* near = trace.hits.empty() ? nullptr : trace.hits[i].get();
-      curve.own.push_back(carrier.evaluator(field)(trace.vertices[i].x, near));
-      curve.q.push_back(curve.own.back().q);
+      FieldPoint at = carrier.evaluator(field)(trace.vertices[i].x, near);
+      if (!at.finite) {
+        ++ended;
+        continue;
+      }
+      curve.q.push_back(at.q);
+      curve.own.push_back(std::move(at));
     }
-    if (curve.own.size() < trace.vertices.size()) break;  // out of time
-    out.unresolved += trace.stalled;
-    out.curves.push_back(std::move(curve));
+    if (curve.own.size() + ended < trace.vertices.size()) break;  // out of time
+    out.unresolved += trace.stalled + (ended > 0);
+    if (curve.own.size() > 1) out.curves.push_back(std::move(curve));
   }
   return out;
 }
