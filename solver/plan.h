@@ -10,6 +10,7 @@
 
 #include "solver/contours.h"
 #include "solver/hop.h"
+#include "solver/itineraries.h"
 
 namespace caustic::solver {
 
@@ -38,12 +39,12 @@ struct Plan {
   std::vector<Skipped> skipped;
 };
 
-/// What `no_skip` may name, in the order of a request. "empty_levels" is in `skipped` but not here: a
-/// level that lies on no edge of a cell costs nothing that could be saved or spent.
+/// What `no_skip` may name, in the order of a request. "empty_levels" is in `skipped` but not here:
+/// a level that lies on no edge of a cell costs nothing that could be saved or spent.
 std::span<const char* const> skippable_stages();
 
 /// `families` by surface index, and the direct light. Stages named in `no_skip` run in any case.
 Plan make_plan(const OpticalSystem& system, const std::vector<std::vector<int>>& families,
-               bool direct, const std::set<std::string>& no_skip);
+               bool direct, const std::set<std::string>& no_skip, const Stop& stop = {});
 
 }  // namespace caustic::solver

@@ -159,7 +159,9 @@ class Run {
 
 void Run::list_families() {
   std::vector<std::vector<int>> families = request_.families;
-  if (families.empty()) families = families_up_to(system_, request_.max_bounces);
+  if (families.empty())
+    families = families_up_to(system_, request_.max_bounces, Arrival::in_window,
+                              [this] { return budget_.out_of_time(); });
   for (int id = 0; id < static_cast<int>(families.size()); ++id) {
     result_.families.push_back({id, families[id], 0.0});
   }
@@ -169,7 +171,8 @@ void Run::explore() {
   std::vector<std::vector<int>> families;
   for (const FamilyReport& family : result_.families) families.push_back(family.surfaces);
   const bool direct = request_.direct && measure_ == Measure::total;
-  const Plan plan = make_plan(system_, families, direct, request_.no_skip);
+  const Plan plan = make_plan(system_, families, direct, request_.no_skip,
+                              [this] { return budget_.out_of_time(); });
   result_.skipped = plan.skipped;
   const double margin = margin_for(system_, plan.embree);
   if (plan.embree) {
