@@ -322,11 +322,11 @@ class Wanderer {
 }  // namespace
 
 std::vector<Hops> sides_of(const OpticalSystem& system, const std::vector<int>& surfaces, int side,
-                           const Stop& stop) {
+                           const OutOfTime& out_of_time) {
   std::set<std::vector<int>> found;
   SideFinder finder(system, surfaces, found);
   const auto follow = [&](const Point& x) {
-    return stop && stop() ? NearMiss{} : finder.start(x, side);
+    return out_of_time && out_of_time() ? NearMiss{} : finder.start(x, side);
   };
   for_each_point(system, system.surfaces()[surfaces[0]], follow);
   if (found.empty()) seek(system, surfaces, follow, [&] { return !found.empty(); });
@@ -340,13 +340,13 @@ std::vector<Hops> sides_of(const OpticalSystem& system, const std::vector<int>& 
 }
 
 std::vector<std::vector<int>> families_that_occur(const OpticalSystem& system, int max_bounces,
-                                                  Arrival arrival, const Stop& stop) {
+                                                  Arrival arrival, const OutOfTime& out_of_time) {
   Wanderer wanderer(system, max_bounces, arrival);
   for (int i = 0; i < static_cast<int>(system.surfaces().size()); ++i) {
     const SystemSurface& surface = system.surfaces()[i];
     if (!surface.optics.passes_light_on()) continue;
     for_each_existing_point(system, surface, [&](const Point& x) {
-      if (!stop || !stop()) wanderer.start(i, x);
+      if (!out_of_time || !out_of_time()) wanderer.start(i, x);
     });
   }
   std::vector<std::vector<int>> out(wanderer.found.begin(), wanderer.found.end());
@@ -356,8 +356,8 @@ std::vector<std::vector<int>> families_that_occur(const OpticalSystem& system, i
 }
 
 std::vector<std::vector<int>> families_up_to(const OpticalSystem& system, int max_bounces,
-                                             Arrival arrival, const Stop& stop) {
-  if (max_bounces > 1) return families_that_occur(system, max_bounces, arrival, stop);
+                                             Arrival arrival, const OutOfTime& out_of_time) {
+  if (max_bounces > 1) return families_that_occur(system, max_bounces, arrival, out_of_time);
   std::vector<std::vector<int>> families;
   for (int i = 0; i < static_cast<int>(system.surfaces().size()); ++i) {
     if (system.surfaces()[i].optics.passes_light_on()) families.push_back({i});

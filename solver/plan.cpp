@@ -158,9 +158,9 @@ bool lights_receiver(const OpticalSystem& system) {
 }
 
 std::vector<Hops> pieces_of(const OpticalSystem& system, const std::vector<int>& family, int side,
-                            const Stop& stop) {
+                            const OutOfTime& out_of_time) {
   if (family.size() == 1) return {{{family[0], side}}};
-  return sides_of(system, family, side, stop);
+  return sides_of(system, family, side, out_of_time);
 }
 
 }  // namespace
@@ -173,7 +173,7 @@ std::span<const char* const> skippable_stages() {
 }
 
 Plan make_plan(const OpticalSystem& system, const std::vector<std::vector<int>>& families,
-               bool direct, const std::set<std::string>& no_skip, const Stop& stop) {
+               bool direct, const std::set<std::string>& no_skip, const OutOfTime& out_of_time) {
   Plan plan;
   const Needless needless{no_skip.count("third_derivatives") > 0, no_skip.count("unseen_cells") > 0,
                           no_skip.count("hidden_family") > 0};
@@ -186,7 +186,7 @@ Plan make_plan(const OpticalSystem& system, const std::vector<std::vector<int>>&
         ++dark_sides;
         continue;
       }
-      for (const Hops& hops : pieces_of(system, families[family], side, stop)) {
+      for (const Hops& hops : pieces_of(system, families[family], side, out_of_time)) {
         const bool needed = may_be_hidden(system, hops);
         unhidden += !needed;
         plan.pieces.push_back({family, hops, needed || no_skip.count("visibility") > 0, needless});

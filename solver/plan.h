@@ -45,6 +45,7 @@ std::span<const char* const> skippable_stages();
 
 /// `families` by surface index, and the direct light. Stages named in `no_skip` run in any case.
 Plan make_plan(const OpticalSystem& system, const std::vector<std::vector<int>>& families,
-               bool direct, const std::set<std::string>& no_skip, const Stop& stop = {});
+               bool direct, const std::set<std::string>& no_skip,
+               const OutOfTime& out_of_time = {});
 
 }  // namespace caustic::solver

@@ -209,7 +209,10 @@ void Run::explore() {
   }
   for (const FamilyReport& family : result_.families) {
     if (family.flux > 0.0 || budget_.exhausted()) continue;
-    warn("unlit_family", "no light reaches the receiver by way of " + name_of(family.id));
+    const bool several = family.surfaces.size() > 1;
+    warn("unlit_family", "no light was found that reaches the receiver by way of " +
+                             name_of(family.id) +
+                             (several ? "; from small parts of its first surface some may" : ""));
   }
 }
 
@@ -338,7 +341,16 @@ void Run::prove_total() {
 
 // What the answer may claim.
 void Run::conclude() {
+  if (request_.families.empty() && request_.max_bounces > 1)
+    leave_unproven("families of several hops are sought with some thousand rays from each surface");
   if (!request_.certify) {
+    const bool several =
+        std::any_of(result_.families.begin(), result_.families.end(),
+                    [](const FamilyReport& family) { return family.surfaces.size() > 1; });
+    if (several)
+      leave_unproven(
+          "light by way of several surfaces from parts of the first one that are small "
+          "against its subdivision may be missing");
     return leave_unproven(
         "closed curves so small that neither the subdivision's edges nor critical points show them "
         "may be missing; \"certify\": true finds them, or names the cells in which they may be");

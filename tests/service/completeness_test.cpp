@@ -34,6 +34,17 @@ TEST(Completeness, IsProvenOnRequest) {
   EXPECT_NE(read_contour_call(request.dump()).id, id);
 }
 
+TEST(Completeness, IsNotClaimedOfWhatRaysSeek) {
+  json request = nephroid_request();
+  request["measure"] = "sheet";
+  request["families"] = {{"max_bounces", 2}};
+  request["certify"] = true;
+  const json completeness = completeness_of(request);
+  EXPECT_EQ(completeness["certified"], false);
+  ASSERT_FALSE(completeness["unproven"].empty());
+  EXPECT_NE(completeness["unproven"][0].dump().find("sought with"), std::string::npos);
+}
+
 TEST(Completeness, IsProvenOfTheTotal) {
   json request = json::parse(find_example("plane-mirror")->body);
   request["certify"] = true;
