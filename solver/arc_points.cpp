@@ -115,13 +115,13 @@ class BoundarySegment {
   }
 
   /// Carries along the segment, in halves where one step is too long; false if that is not enough.
-  bool carry(Branches& branches, double from, double to, int depth = 0) const {
+  bool carry(ArcPoint& moved, double from, double to, int depth = 0) const {
     const auto end = at(to);
     if (!end) return false;
-    if (carrier_.carry(branches, end->q)) return true;
+    if (carry_beside(carrier_, curve_, moved.branches, moved.companions, end->q)) return true;
     if (depth == kMaxCarryHalvings) return false;
     const double middle = 0.5 * (from + to);
-    return carry(branches, from, middle, depth + 1) && carry(branches, middle, to, depth + 1);
+    return carry(moved, from, middle, depth + 1) && carry(moved, middle, to, depth + 1);
   }
 
  private:
@@ -142,19 +142,19 @@ std::optional<ArcPoint> along_boundary(SheetCarrier& carrier, const BoundaryCurv
   if (!at) return std::nullopt;
   const bool from_a = b_folds || (!a_folds && w < 0.5);
   at->branches = (from_a ? a : b).others;
+  at->companions = (from_a ? a : b).companions;
   // Towards a fold half the distance that is left at a time.
   double place = from_a ? 0.0 : 1.0;
   if (a_folds || b_folds) {
     const double fold = from_a ? 1.0 : 0.0;
     for (double next = 0.5 * (place + fold); std::abs(next - fold) > std::abs(w - fold);
          next = 0.5 * (place + fold)) {
-      if (!segment.carry(at->branches, place, next)) return std::nullopt;
+      if (!segment.carry(*at, place, next)) return std::nullopt;
       place = next;
     }
   }
-  if (!segment.carry(at->branches, place, w)) return std::nullopt;
-  if (curve.mate >= 0) at->mate = mate_at(carrier, curve, *at->own).sheet;
-  at->mate_inside = a.mate_inside;
+  if (!segment.carry(*at, place, w)) return std::nullopt;
+  if (curve.mate >= 0) place_mate(carrier, curve, *at->own, at->companions);
   at->dq *= speed;
   at->dx *= speed;
   return at;

@@ -14,9 +14,8 @@ struct ArcPoint {
   std::optional<FieldPoint>
       own;                 ///< of a boundary but the receiver's edge: the end of its own sheet
   Vec3 dx = Vec3::Zero();  ///< derivative of own.x
-  std::optional<Branch> mate = std::nullopt;  ///< of a boundary (shared_edges.h)
-  bool mate_inside = true;
-  double off = 0.0;        ///< of a level arc: distance from it that is left, m
+  std::vector<Companion> companions;  ///< of a boundary
+  double off = 0.0;                   ///< of a level arc: distance from it that is left, m
 };
 
 /// Between two vertices of a level arc; nothing if it could not be followed.

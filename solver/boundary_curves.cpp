@@ -62,6 +62,20 @@ BoundaryKind kind_of(Ending ending) {
   return BoundaryKind::none;
 }
 
+int contact_of(const SheetCarrier& carrier, const BoundaryCurve& curve) {
+  if (curve.field < 0) return -1;
+  const FamilyField& field = carrier.field(curve.field);
+  const Hops& hops = field.piece.hops;
+  if (curve.edge) {
+    const Hiding& hiding = curve.edge->hiding();
+    const bool at_end =
+        hiding.kind == Hiding::Kind::point && hiding.point == static_cast<int>(hops.size()) + 1;
+    return at_end ? hiding.surface : -1;
+  }
+  const bool in_plane = !hops.empty() && curve.boundary == field.domain.silhouette() + 1;
+  return in_plane ? hops.back().surface : -1;
+}
+
 bool coincides_with_domain(const FamilyField& field, const BoundaryCurve& curve) {
   const int before = curve.edge ? field.domain.size() : curve.boundary;
   for (int b = 0; b < before; ++b) {

@@ -26,6 +26,10 @@ struct BoundaryCurve {
   }
 };
 
+/// The surface that meets the receiver's plane along the curve's image, where light ends by way of
+/// it or is hidden by it; −1 of other curves. Those of one surface have one image (S84).
+int contact_of(const SheetCarrier& carrier, const BoundaryCurve& curve);
+
 /// Where sheets begin at a place of a curve (not of the receiver's edges).
 struct Opening {
   bool real;    ///< false if they are hidden there, so that nothing begins

@@ -39,7 +39,9 @@ class BoundaryCutter {
         chord_(chord),
         curves_(curves),
         cuts_(curves.size()),
-        width_(carrier.system().receiver().width()) {}
+        width_(carrier.system().receiver().width()) {
+    for (const BoundaryCurve& curve : curves) contacts_.push_back(contact_of(carrier, curve));
+  }
 
   std::vector<std::vector<Cut>> run() {
     for (std::size_t c = 0; c < curves_.size() && !budget_.exhausted(); ++c) {
@@ -51,6 +53,7 @@ class BoundaryCutter {
         if (curves_[c].edge) cut_at_limits(c);
       }
     }
+    share_cuts();
     tangential_ = cuts_;
     for (std::size_t c = 0; c < curves_.size(); ++c) {
       if (curves_[c].on_receiver_edge()) cut_at_ends_of_others(c);
@@ -74,6 +77,8 @@ class BoundaryCutter {
   void cut_at_contacts(std::size_t c);
   void cut_caustics_at(int field, const FieldPoint& contact);
   void cut_at_limits(std::size_t c);
+  void share_cuts();
+  void cut_beside(std::size_t c, const Vec2& q);
   // Next to a place where two images touch rounding makes them cross.
   bool at_contact(std::size_t c, const Vec2& q) const {
     return std::any_of(tangential_[c].begin(), tangential_[c].end(), [&](const Cut& cut) {
@@ -87,6 +92,7 @@ class BoundaryCutter {
   double chord_;
   const std::vector<BoundaryCurve>& curves_;
   std::vector<std::vector<Cut>> cuts_, tangential_;
+  std::vector<int> contacts_;  // of curves
   double width_;
 };
 
@@ -171,9 +177,10 @@ void BoundaryCutter::cut_at_crossings() {
       const Segment &a = all[s], &b = all[t];
       if (a.top < b.bottom || b.top < a.bottom) continue;
       const bool edges = curves_[a.curve].on_receiver_edge() && curves_[b.curve].on_receiver_edge();
+      const bool one_image = contacts_[a.curve] >= 0 && contacts_[a.curve] == contacts_[b.curve];
       const std::size_t apart = a.i > b.i ? a.i - b.i : b.i - a.i;
       const bool neighbours = a.curve == b.curve && (apart <= 1 || apart + 1 >= segments(a.curve));
-      if (!edges && !neighbours) cross_segments(a.curve, a.i, b.curve, b.i);
+      if (!edges && !neighbours && !one_image) cross_segments(a.curve, a.i, b.curve, b.i);
     }
   }
 }
@@ -264,6 +271,37 @@ void BoundaryCutter::cut_at_limits(std::size_t c) {
       if (at) add_cut(c, i, std::move(*at));
     }
     before = after;
+  }
+}
+
+// Curves with one image are cut at the same places.
+void BoundaryCutter::share_cuts() {
+  const auto own = cuts_;
+  for (std::size_t c = 0; c < curves_.size(); ++c) {
+    for (std::size_t d = 0; d < curves_.size(); ++d) {
+      if (d == c || contacts_[c] < 0 || contacts_[c] != contacts_[d]) continue;
+      for (const Cut& cut : own[c]) cut_beside(d, cut.place.q);
+    }
+  }
+}
+
+// Along the curve to the place with this image.
+void BoundaryCutter::cut_beside(std::size_t c, const Vec2& q) {
+  const BoundaryCurve& curve = curves_[c];
+  for (std::size_t i = 0; i < segments(c); ++i) {
+    const Vec2 chord = curve.q[(i + 1) % curve.q.size()] - curve.q[i], way = q - curve.q[i];
+    const double w = chord.dot(way) / chord.squaredNorm();
+    if (!(w >= 0.0 && w <= 1.0 && (way - w * chord).norm() <= slack(chord))) continue;
+    auto at = settle_on(carrier_, curve, on_segment(curve, i, w));
+    for (int k = 0; k < kCrossingSteps && at; ++k) {
+      const Vec2 gap = q - at->q;
+      if (gap.norm() <= kSameCut * width_) return add_cut(c, i, {q, at->own});
+      Vec3 t;
+      const Vec2 along = image_tangent(carrier_, curve, *at, t);
+      BoundaryPlace next = *at;
+      next.own.x += along.dot(gap) / along.squaredNorm() * t;
+      at = settle_on(carrier_, curve, next);
+    }
   }
 }
 

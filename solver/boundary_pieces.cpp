@@ -25,6 +25,11 @@ constexpr double kFoldShare = 1e-4;
 // Totals that could be followed up to this near to the end of a piece, in widths of the receiver,
 // became unbounded there.
 constexpr double kFollowedEnd = 1e-4;
+// Sheets on both sides of a contact are found so far from it, as shares of the scene and of the way
+// between two vertices; pieces this near, in chord tolerances, may have one image.
+constexpr double kBesideContact = 1e-6;
+constexpr double kBesideShare = 1e-3;
+constexpr double kSameImage = 3.0;
 // The second look at whether an edge is one is taken from so far, as a share of the scene.
 constexpr double kSlit = 1e-9;
 
@@ -81,7 +86,11 @@ class PieceMaker {
   bool inside_left(const BoundaryCurve& curve, const BoundaryPlace& a, const BoundaryPlace& b,
                    const Vec3& inside);
   bool mate_left(const BoundaryCurve& curve, const BoundaryPlace& a, const Vec2& along);
-  BoundaryVertex begin(const BoundaryCurve& curve, const BoundaryPlace& at, bool mate_inside);
+  bool ends_here(const BoundaryCurve& curve, const BoundaryVertex& v, const Branch& b) const;
+  void part_sides(const BoundaryCurve& curve, const Vec2& along, BoundaryVertex& v);
+  bool stood_for(const BoundaryCurve& curve, const std::vector<BoundaryPlace>& places,
+                 const BoundaryPlace& at);
+  BoundaryVertex begin(const BoundaryCurve& curve, const BoundaryPlace& at, const Vec2& along);
   bool follow(const BoundaryCurve& curve, const BoundaryVertex& from, const BoundaryPlace& to,
               int depth, std::vector<BoundaryVertex>& out);
   std::vector<BoundaryVertex> follow_all(const BoundaryCurve& curve, const BoundaryVertex& first,
@@ -161,8 +170,8 @@ bool PieceMaker::mate_left(const BoundaryCurve& curve, const BoundaryPlace& a, c
 // cannot be carried further.
 bool PieceMaker::follow(const BoundaryCurve& curve, const BoundaryVertex& from,
                         const BoundaryPlace& to, int depth, std::vector<BoundaryVertex>& out) {
-  BoundaryVertex next{to, from.others, std::nullopt, from.mate_inside};
-  const bool carried = carrier_.carry(next.others, to.q);
+  BoundaryVertex next{to, from.others, from.companions};
+  const bool carried = carry_beside(carrier_, curve, next.others, next.companions, to.q);
   bool smooth = false;
   if (carried) {
     complete_totals(carrier_, curve, next);
@@ -194,30 +203,107 @@ std::vector<BoundaryVertex> PieceMaker::follow_all(const BoundaryCurve& curve,
     const Vec2& reached = out.empty() ? first.at.q : out.back().at.q;
     result_.unresolved += (places.back().q - reached).norm() > kFollowedEnd * width_;
     const double outside = curve.on_receiver_edge() ? 0.0 : geometry::kInfinity;
-    out.push_back({places.back(), {}, {}, first.mate_inside, outside, geometry::kInfinity, false});
+    out.push_back({places.back(), {}, first.companions, outside, geometry::kInfinity, false});
     break;
   }
   return out;
 }
 
-BoundaryVertex PieceMaker::begin(const BoundaryCurve& curve, const BoundaryPlace& at,
-                                 bool mate_inside) {
-  BoundaryVertex first{at, carrier_.find(at.q), std::nullopt, mate_inside};
+// The curve's own sheet, or one of the fold that it is, or its mate's.
+bool PieceMaker::ends_here(const BoundaryCurve& curve, const BoundaryVertex& v,
+                           const Branch& b) const {
   const double diameter = carrier_.system().diameter();
-  complete_totals(carrier_, curve, first);
-  std::erase_if(first.others, [&](const Branch& b) {
-    if (first.mate && b.field == first.mate->field)
-      return (b.at.x - first.mate->at.x).norm() <= kOwnSheet * diameter;
-    if (b.field != curve.field) return false;
-    const double apart = (b.at.x - at.own.x).norm();
-    // Next to a caustic both sheets of the fold may have been found.
-    const bool fold = curve.kind == BoundaryKind::caustic &&
-                      std::abs(b.at.a) <= kFoldShare * b.at.scale_of_a() &&
-                      apart <= kFoldSheet * diameter;
-    return apart <= kOwnSheet * diameter || fold;
-  });
+  if (curve.mate >= 0 && b.field == curve.mate)
+    return (b.at.x - v.companions.front().sheet.at.x).norm() <= kOwnSheet * diameter;
+  if (b.field != curve.field) return false;
+  const double apart = (b.at.x - v.at.own.x).norm();
+  // Next to a caustic both sheets of the fold may have been found.
+  const bool fold = curve.kind == BoundaryKind::caustic &&
+                    std::abs(b.at.a) <= kFoldShare * b.at.scale_of_a() &&
+                    apart <= kFoldSheet * diameter;
+  return apart <= kOwnSheet * diameter || fold;
+}
+
+// Those of one side only end here, too (S84).
+void PieceMaker::part_sides(const BoundaryCurve& curve, const Vec2& along, BoundaryVertex& v) {
+  const double diameter = carrier_.system().diameter();
+  const double step = std::min(kBesideContact * diameter, kBesideShare * along.norm());
+  const auto beside = [&](double side) {
+    Branches found = carrier_.find(v.at.q + side * step * Vec2(-along.y(), along.x()).normalized());
+    std::erase_if(found, [&](Branch& b) {
+      auto at = carrier_.carry(b.field, b.at, v.at.q);
+      if (at) b.at = std::move(*at);
+      result_.unresolved += !at;
+      return !at || ends_here(curve, v, b);
+    });
+    return found;
+  };
+  Branches outside = beside(-1.0);
+  for (Branch& b : beside(1.0)) {
+    const auto same = std::find_if(outside.begin(), outside.end(), [&](const Branch& other) {
+      return other.field == b.field && (other.at.x - b.at.x).norm() <= kOwnSheet * diameter;
+    });
+    if (same == outside.end()) {
+      v.companions.push_back({std::move(b), true});
+    } else {
+      outside.erase(same);
+      v.others.push_back(std::move(b));
+    }
+  }
+  for (Branch& b : outside) v.companions.push_back({std::move(b), false});
+}
+
+BoundaryVertex PieceMaker::begin(const BoundaryCurve& curve, const BoundaryPlace& at,
+                                 const Vec2& along) {
+  BoundaryVertex first{at, {}, {}};
+  if (curve.mate >= 0)
+    first.companions.push_back(
+        {mate_at(carrier_, curve, at.own).sheet, mate_left(curve, at, along)});
+  if (contact_of(carrier_, curve) >= 0) {
+    part_sides(curve, along, first);
+  } else {
+    first.others = carrier_.find(at.q);
+    std::erase_if(first.others, [&](const Branch& b) { return ends_here(curve, first, b); });
+  }
   complete_totals(carrier_, curve, first);
   return first;
+}
+
+// Is the curve's own sheet a companion of a piece with the same image? It stands for this one, too.
+bool PieceMaker::stood_for(const BoundaryCurve& curve, const std::vector<BoundaryPlace>& places,
+                           const BoundaryPlace& at) {
+  const int surface = contact_of(carrier_, curve);
+  if (surface < 0) return false;
+  const double near = kSameImage * chord_;
+  const auto is_own = [&](const BoundaryVertex& v) {
+    return std::any_of(v.companions.begin(), v.companions.end(), [&](const Companion& c) {
+      if (c.sheet.field != curve.field) return false;
+      const auto there = carrier_.carry(c.sheet.field, c.sheet.at, at.q);
+      return there && (there->x - at.own.x).norm() <= kOwnSheet * carrier_.system().diameter();
+    });
+  };
+  for (const BoundaryPiece& piece : result_.pieces) {
+    if (contact_of(carrier_, curves_[piece.curve]) != surface) continue;
+    const auto& v = piece.vertices;
+    const auto apart = [&](const BoundaryVertex& a) { return (a.at.q - at.q).norm(); };
+    const auto is_beside = [&](std::size_t i) {
+      const Vec2 way = v[i + 1].at.q - v[i].at.q;
+      const double w = std::clamp(way.dot(at.q - v[i].at.q) / way.squaredNorm(), 0.0, 1.0);
+      return (v[i].at.q + w * way - at.q).norm() <= near &&
+             is_own(apart(v[i]) < apart(v[i + 1]) ? v[i] : v[i + 1]);
+    };
+    for (std::size_t i = 0; i + 1 < v.size(); ++i) {
+      if (!is_beside(i)) continue;
+      const auto ends_with = [&](const Vec2& q) {
+        return std::min((v.front().at.q - q).norm(), (v.back().at.q - q).norm()) <= near;
+      };
+      // What is longer than its deputy is left out in part.
+      const bool whole = ends_with(places.front().q) && ends_with(places.back().q);
+      result_.unresolved += !whole && !piece.closed;
+      return true;
+    }
+  }
+  return false;
 }
 
 // Where edges touch each other, what is hidden beyond is a slit next to the contact: a second look
@@ -255,9 +341,8 @@ void PieceMaker::finish(std::size_t c, bool closed, std::vector<BoundaryPlace> p
     }
   }
   const auto start = places.begin() + static_cast<std::ptrdiff_t>(middle);
-  const bool mate_inside =
-      curve.mate < 0 || mate_left(curve, *start, (start + 1)->q - (start - 1)->q);
-  BoundaryVertex first = begin(curve, *start, mate_inside);
+  if (stood_for(curve, places, *start)) return;
+  BoundaryVertex first = begin(curve, *start, (start + 1)->q - (start - 1)->q);
   auto back = follow_all(curve, first, {std::make_reverse_iterator(start), places.rend()});
   auto front = follow_all(curve, first, {start + 1, places.end()});
   BoundaryPiece piece{static_cast<int>(c), closed, {}};
@@ -269,8 +354,26 @@ void PieceMaker::finish(std::size_t c, bool closed, std::vector<BoundaryPlace> p
 
 }  // namespace
 
+bool carry_beside(SheetCarrier& carrier, const BoundaryCurve& curve, Branches& others,
+                  std::vector<Companion>& companions, const Vec2& to) {
+  std::vector<Companion> moved = companions;
+  for (std::size_t k = curve.mate >= 0; k < moved.size(); ++k) {
+    auto at = carrier.carry(moved[k].sheet.field, moved[k].sheet.at, to);
+    if (!at) return false;
+    moved[k].sheet.at = std::move(*at);
+  }
+  if (!carrier.carry(others, to)) return false;
+  companions.swap(moved);
+  return true;
+}
+
+void place_mate(SheetCarrier& carrier, const BoundaryCurve& curve, const FieldPoint& own,
+                std::vector<Companion>& companions) {
+  if (curve.mate >= 0) companions.front().sheet = mate_at(carrier, curve, own).sheet;
+}
+
 void complete_totals(SheetCarrier& carrier, const BoundaryCurve& curve, BoundaryVertex& v) {
-  if (curve.mate >= 0) v.mate = mate_at(carrier, curve, v.at.own).sheet;
+  place_mate(carrier, curve, v.at.own, v.companions);
   const double others = total_of(v.others).E;
   v.outside = curve.on_receiver_edge() ? 0.0 : others;
   if (curve.on_receiver_edge())
@@ -279,13 +382,15 @@ void complete_totals(SheetCarrier& carrier, const BoundaryCurve& curve, Boundary
     v.inside = geometry::kInfinity;
   else
     v.inside = others + std::max(0.0, v.at.own.irradiance());
-  if (v.mate) (v.mate_inside ? v.inside : v.outside) += std::max(0.0, v.mate->at.irradiance());
+  for (const Companion& c : v.companions)
+    (c.inside ? v.inside : v.outside) += std::max(0.0, c.sheet.at.irradiance());
 }
 
 Branches branches_on(const BoundaryCurve& curve, const BoundaryVertex& v, bool inside) {
   Branches all = v.others;
   if (inside && !curve.on_receiver_edge()) all.push_back({curve.field, v.at.own});
-  if (v.mate && v.mate_inside == inside) all.push_back(*v.mate);
+  for (const Companion& c : v.companions)
+    if (c.inside == inside) all.push_back(c.sheet);
   return all;
 }
 

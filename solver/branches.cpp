@@ -15,6 +15,9 @@ constexpr int kMaxCarries = 400;
 // Arrival within this many roundings of x, by the stretch of the map.
 constexpr double kArrivalRoundings = 4.0;
 
+// Of the way and the place.
+constexpr double kFineArrival = 1e-12;
+
 }  // namespace
 
 Total total_of(const Branches& branches) {
@@ -47,19 +50,22 @@ std::optional<FieldPoint> SheetCarrier::newton(int field, const FieldPoint& from
   Evaluator& evaluate = *evaluators_[field];
   const double way = (to - from.q).norm();
   FieldPoint at = from;
-  double left = way;
+  double left = way, before = geometry::kInfinity;
   for (int i = 0; i < kMaxCarrySteps; ++i) {
     const double stretch = std::sqrt(at.q_s.squaredNorm() + at.q_t.squaredNorm());
     const double rounding = evaluate.map().rounding(at.x);
-    if (left <= kArrivalRoundings * (stretch * rounding + geometry::kEpsilon * to.norm()))
+    const double near = kArrivalRoundings * (stretch * rounding + geometry::kEpsilon * to.norm());
+    // Where rounding may be much, not before it is met.
+    if (left <= near && (near <= kFineArrival * (way + to.norm()) || left >= 0.5 * before))
       return at;
     const Vec3 step = at.pull_back(to - at.q);
     if (!step.allFinite()) return std::nullopt;
     at = evaluate.on_surface(at.x + step, at.hits.get());
     // Where it would end on the receiver itself it goes on smoothly, as across every edge.
     if (!at.finite || !(at.a * from.a > 0.0)) return std::nullopt;
-    const double before = left;
+    before = left;
     left = (to - at.q).norm();
+    if (left <= near) continue;
     if (i == 0 && left > kContraction * way) return std::nullopt;
     // As near as rounding allows.
     if (i > 2 && left >= 0.5 * before) {

@@ -84,9 +84,10 @@ RegionIntegrator::Density RegionIntegrator::boundary_density(const ArcPoint& at,
   }
   if (count.inside) add_sheet({field, *at.own}, at.dx, sum);
   // The boundary runs with its inside on the left.
-  if (at.mate && (at.mate_inside ? count.inside : count.outside)) {
-    const Vec3 dx = at.mate->at.pull_back(at.dq);
-    add_sheet(*at.mate, at.mate_inside ? dx : Vec3(-dx), sum);
+  for (const Companion& c : at.companions) {
+    if (!(c.inside ? count.inside : count.outside)) continue;
+    const Vec3 dx = c.sheet.at.pull_back(at.dq);
+    add_sheet(c.sheet, c.inside ? dx : Vec3(-dx), sum);
   }
   if (count.area) {
     sum[kArea] = 0.5 * (at.q.x() * at.dq.y() - at.q.y() * at.dq.x());

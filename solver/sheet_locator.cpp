@@ -26,6 +26,7 @@ constexpr double kFurthest = 1.5;
 constexpr double kFurthestGuess = 2.5;
 constexpr std::size_t kSheetsOfFold = 2;
 constexpr double kLocatorRoundings = 4.0;
+constexpr double kFineRounding = 1e-12;
 // Roots nearer than this share of a cell are one.
 constexpr double kOneRoot = 1e-6;
 // On the domain's boundary to rounding is inside.
@@ -37,13 +38,20 @@ std::optional<FieldPoint> newton_to(const Vec2& q, const FieldPoint& start, doub
   FieldPoint at = start;
   double previous = geometry::kInfinity, some_steps_ago = geometry::kInfinity;
   for (int i = 0; i < kMaxNewton; ++i) {
-    if (!at.arrives() || (at.x - start.x).norm() > 2.0 * kFurthest * radius) return std::nullopt;
+    // Beyond the receiver's plane it goes on smoothly, beyond a pole it does not.
+    if (!at.finite || !(at.facing * start.facing > 0.0) ||
+        (at.x - start.x).norm() > 2.0 * kFurthest * radius)
+      return std::nullopt;
     const Vec2 dq = q - at.q;
     const double left = dq.norm(), stretch = std::sqrt(at.q_s.squaredNorm() + at.q_t.squaredNorm());
     const double rounding = kLocatorRoundings * (stretch * evaluate.map().rounding(at.x) +
                                                  geometry::kEpsilon * q.norm());
     const double nearly = 1e6 * rounding;  // where rounding inside of q may be the limit
-    if (left <= rounding || (i > 8 && left >= 0.5 * previous && left <= nearly)) return at;
+    // Where rounding may be much, not before it is met.
+    const bool as_near_as_can_be = rounding <= kFineRounding * q.norm() || left >= 0.5 * previous;
+    if ((left <= rounding && as_near_as_can_be) ||
+        (i > 8 && left >= 0.5 * previous && left <= nearly))
+      return at;
     previous = left;
     if (i % kPatience == kPatience - 1) {
       if (left > kLeastProgress * some_steps_ago && left > nearly) return std::nullopt;
@@ -71,15 +79,16 @@ SheetLocator::SheetLocator(const FamilyField& field) : field_(field), bins_(kBin
   for (const Cell& cell : e.cells) {
     Image image{Vec2::Constant(geometry::kInfinity), Vec2::Constant(-geometry::kInfinity), false};
     double least = geometry::kInfinity, largest = -geometry::kInfinity;
-    const auto include = [&](const FieldPoint& f) {
-      if (!f.arrives()) return;
+    const auto include = [&](const FieldPoint& f, bool clipped) {
+      if (!f.finite || (!clipped && !f.arrives())) return;
       image.lo = image.lo.cwiseMin(f.q);
       image.hi = image.hi.cwiseMax(f.q);
       least = std::min(least, f.a);
       largest = std::max(largest, f.a);
     };
-    for (const Corner& corner : cell.polygon) include(e.samples[corner.sample]);
-    include(e.samples[cell.center]);
+    for (const Corner& corner : cell.polygon)
+      include(e.samples[corner.sample], corner.boundary >= 0);
+    include(e.samples[cell.center], false);
     // Near zero at a corner it may change its sign between samples.
     image.folded =
         least * largest <= 0.0 || std::min(std::abs(least), std::abs(largest)) <
@@ -116,8 +125,13 @@ std::vector<FieldPoint> SheetLocator::at(const Vec2& q, Evaluator& evaluate) con
       if (field_.domain.worst(*f).value >
           kDomainRoundings * evaluate.map().rounding(f->x) * (1.0 + f->q_s.norm() + f->q_t.norm()))
         return;
+      // Newton's method may end anywhere within rounding of the image, on one side of a fold.
+      const double blur = 2.0 * kLocatorRoundings * evaluate.map().rounding(f->x);
       for (const FieldPoint& other : found) {
-        if ((other.x - f->x).norm() <= kOneRoot * cell.radius) return;
+        const Vec3 apart = other.x - f->x;
+        if (apart.norm() <= kOneRoot * cell.radius) return;
+        const double stretch = std::sqrt(f->q_s.squaredNorm() + f->q_t.squaredNorm());
+        if (other.a * f->a > 0.0 && f->push_forward(apart).norm() <= stretch * blur) return;
       }
       found.push_back(std::move(*f));
       ++in_cell;

@@ -29,6 +29,8 @@ constexpr int kMaxSplits = 40;
 // within kNodeShare of the receiver's width after correction.
 constexpr double kNearNode = 1e-2;
 constexpr double kNodeShare = 1e-8;
+// Where rounding blurs the level, by this many times what it left on the way.
+constexpr double kBlurs = 8.0;
 // Where E hardly varies its residual does not tell the place: this share of the width is to do so.
 constexpr double kPlaceShare = 1e-10;
 
@@ -84,6 +86,7 @@ class ArcTracer::Impl final : public DirectionField {
   std::optional<ArcNode> advance(const ArcNode& from);
   std::optional<ArcNode> between(const ArcNode& a, const ArcNode& b, double s);
   double split(const ArcNode& a, const ArcNode& b) const;
+  double near_node() const { return kNodeShare * width_ + kBlurs * blur_; }
   std::optional<double> meets(const ArcNode& a, const ArcNode& b, const Vec2& node) const;
   std::optional<double> passes(const ArcNode& a, const ArcNode& b, const Vec2& node);
   bool accept(const ArcNode& a, const ArcNode& b, std::vector<TotalNode>& ends, LevelArc& arc);
@@ -97,6 +100,7 @@ class ArcTracer::Impl final : public DirectionField {
   std::optional<ArcNode> arrived_;
   StepLength length_;
   double step_ = 0.0;  // the last that was tried
+  double blur_ = 0.0;  // how far from the level rounding left a place of this arc, m
   ArcNode start_;
 };
 
@@ -111,9 +115,10 @@ std::optional<ArcNode> ArcTracer::Impl::correct(const Vec2& start, double trust)
     const double residual = std::abs(total.E / options_.level - 1.0);
     const double off = std::abs(options_.level - total.E) / total.gradient.norm();
     const bool there = residual <= options_.residual && off <= kPlaceShare * width_;
-    if (there || (i > 3 && residual >= 0.5 * previous && residual < 1e-9)) {
+    const bool as_near_as_can_be = i > 3 && residual >= 0.5 * previous && residual < kLevelNoise;
+    if (!there && as_near_as_can_be) blur_ = std::max(blur_, off);
+    if (there || as_near_as_can_be)
       return ArcNode{{q, std::move(branches)}, along_level(total), 0.0};
-    }
     previous = residual;
     q += ((options_.level - total.E) / total.gradient.squaredNorm()) * total.gradient;
     if (!((q - start).norm() <= trust)) return std::nullopt;
@@ -173,9 +178,8 @@ std::optional<double> ArcTracer::Impl::meets(const ArcNode& a, const ArcNode& b,
   const double v = 1.0 - w;
   const Vec2 q =
       a.at.q + (w * w * (3.0 - 2.0 * w)) * chord + (w * v * v * ds) * a.t - (w * w * v * ds) * b.t;
-  if (!((q - node).norm() <= kNearNode * ds + kNodeShare * width_)) return std::nullopt;
-  if (w <= 0.0)
-    return (node - a.at.q).norm() <= kNodeShare * width_ ? std::optional(a.s) : std::nullopt;
+  if (!((q - node).norm() <= kNearNode * ds + near_node())) return std::nullopt;
+  if (w <= 0.0) return (node - a.at.q).norm() <= near_node() ? std::optional(a.s) : std::nullopt;
   return std::min(b.s, a.s + w * ds);
 }
 
@@ -189,7 +193,7 @@ std::optional<double> ArcTracer::Impl::passes(const ArcNode& a, const ArcNode& b
   const Vec2 gap = node - at->at.q;
   const double off = std::abs(at->t.x() * gap.y() - at->t.y() * gap.x());
   const double bend = 0.5 * gap.squaredNorm() / std::max(length_.now(), kShortestStep * width_);
-  return off <= kNodeShare * width_ + bend ? s : std::nullopt;
+  return off <= near_node() + bend ? s : std::nullopt;
 }
 
 // Takes the piece from a to b, unless the arc ends on it or closes.
@@ -229,13 +233,14 @@ LevelArc ArcTracer::Impl::follow(const Vec2& q, const Branches& branches,
   LevelArc arc;
   arc.vertices.push_back({q, branches});
   length_ = StepLength(kFirstStep * width_);
+  blur_ = 0.0;
   // A start inside a face lies on the level to a share of a cell only.
   from_ = &arc.vertices.front();
   if (std::abs(total_of(branches).E / options_.level - 1.0) > kNodeResidual) {
     const auto on_level = correct(q, length_.now());
     arc.stalled = !on_level;
     if (arc.stalled) return arc;
-    arc.vertices.front() = on_level->at;
+    if ((on_level->at.q - q).norm() > near_node()) arc.vertices.front() = on_level->at;
   }
   start_ = {arc.vertices.front(), along_level(total_of(arc.vertices.front().branches)), 0.0};
   ArcNode a = start_;

@@ -137,7 +137,8 @@ void ExtremeFinder::look_between(const BoundaryCurve& curve, const Side& side,
     if (!found) return std::numeric_limits<double>::quiet_NaN();
     at = std::move(*found);
     if (side.inside && !curve.on_receiver_edge()) at.branches.push_back({curve.field, *at.own});
-    if (at.mate && at.mate_inside == side.inside) at.branches.push_back(*at.mate);
+    for (const Companion& c : at.companions)
+      if (c.inside == side.inside) at.branches.push_back(c.sheet);
     there = total_of(at.branches);
     return there.gradient.dot(at.dq);
   };

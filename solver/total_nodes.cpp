@@ -13,8 +13,6 @@ namespace {
 // A node's place, in widths of the receiver; what rounding leaves of E₀/E − 1.
 constexpr double kNodePlace = 1e-10;
 constexpr double kLeastExcess = 1e-15;
-// A crossing that is off by so many residuals is none: nothing could be followed up to it.
-constexpr double kFarFromLevel = 1e3;
 
 class NodeFinder {
  public:
@@ -91,7 +89,7 @@ class NodeFinder {
     near.q = (1.0 - w) * a.at.q + w * b.at.q;
     near.own.x = (1.0 - w) * a.at.own.x + w * b.at.own.x;
     const auto at = settle_on(carrier_, curve_, near);
-    if (!at || !carrier_.carry(v.others, at->q)) return std::nullopt;
+    if (!at || !carry_beside(carrier_, curve_, v.others, v.companions, at->q)) return std::nullopt;
     v.at = *at;
     complete_totals(carrier_, curve_, v);
     return v;
@@ -117,8 +115,8 @@ class NodeFinder {
     const double small = std::min(residual_, std::max(place, kLeastExcess));
     geometry::illinois_root(
         value, [&](double, double f) { return std::abs(f) <= small; }, 0.0, 1.0, at_a, at_b);
-    if (!last || std::abs(excess(total(*last, side))) > kFarFromLevel * residual_)
-      return std::nullopt;
+    // If nothing could be followed up to it.
+    if (!last || std::abs(excess(total(*last, side))) > kLevelNoise) return std::nullopt;
     return Crossing{where, side, std::move(*last)};
   }
 

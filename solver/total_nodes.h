@@ -9,6 +9,10 @@
 
 namespace caustic::solver {
 
+/// |E_tot/E₀ − 1| that rounding may leave where light grazes or comes from next to its surface:
+/// what Newton's method or a bracket ends with that is more is no place of the level (S85).
+constexpr double kLevelNoise = 1e-6;
+
 /// A level arc begins or ends here, on one side of a boundary.
 struct TotalNode {
   Vec2 q;

@@ -131,6 +131,7 @@ class Run {
   void collect(std::vector<ContourTask>& tasks);
   void conclude();
   std::vector<const FamilyField*> fields_of_total() const;
+  void warn_of_conditioning(double relative);
   void add_total();
   void add_critical_points();
   void warn(const std::string& code, const std::string& detail) {
@@ -391,11 +392,12 @@ void Run::collect(std::vector<ContourTask>& tasks) {
              " levels could not be settled: they lie within rounding of the caustic or "
              "of a point where all levels meet");
   }
-  if (conditioning > request_.irradiance_tolerance) {
-    warn("conditioning", "rounding of the reflector point alone moves the irradiance by up to " +
-                             number(conditioning) +
-                             " (relative); that takes the tolerance's place");
-  }
+  if (conditioning > request_.irradiance_tolerance) warn_of_conditioning(conditioning);
+}
+
+void Run::warn_of_conditioning(double relative) {
+  warn("conditioning", "rounding of the reflector point alone moves the irradiance by up to " +
+                           number(relative) + " (relative); that takes the tolerance's place");
 }
 
 std::vector<const FamilyField*> Run::fields_of_total() const {
@@ -420,6 +422,13 @@ void Run::add_total() {
   const double chord = std::min(chord_, kCoarsestTotal * system_.receiver().width());
   TotalContours total = trace_total(system_, fields, result_.levels, chord, residual_, extras,
                                     budget_, request_.observer, prover_.total());
+  // Ends lie on boundaries, where a total may be as steep as one likes.
+  double conditioning = 0.0;
+  for (const Curve& curve : total.curves) {
+    for (std::size_t i = 1; i + 1 < curve.vertices.size(); ++i)
+      conditioning = std::max(conditioning, curve.vertices[i].residual);
+  }
+  if (conditioning > request_.irradiance_tolerance) warn_of_conditioning(conditioning);
   result_.critical_points = std::move(total.critical_points);
   result_.regions = std::move(total.regions);
   std::move(total.curves.begin(), total.curves.end(), std::back_inserter(result_.curves));

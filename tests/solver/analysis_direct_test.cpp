@@ -119,6 +119,26 @@ TEST(AnalysisOfDirectLight, CountsWhatABallReflectsBesideItsShadow) {
   EXPECT_LE(found.levels[0].flux.error, 1e-8);
 }
 
+// Within a mirror sphere of radius 1 a floor at height h above its middle, c above the lamp's: what
+// leaves by ψ from the downward axis is reflected at the polar angle t, ψ = t + i, sin i = c sin ψ,
+// and meets the sphere again at t − 2i from the upward one.
+TEST(AnalysisOfDirectLight, CountsAllWaysThatASphereEnds) {
+  const double h = 0.6, c = 0.05, rho = 0.8;
+  const auto system = OpticalSystem::build(PointLight{{0, 0, -h - c}, kLampIntensity},
+                                           {mirror(make_sphere({0, 0, -h}, 1.0), {}, rho)},
+                                           floor_at(Point::Zero(), 2, 2));
+  double psi = std::acos(h);
+  for (int k = 0; k < 60; ++k) psi = std::acos(h) + 3.0 * std::asin(c * std::sin(psi));
+  const double up = 1.0 - (h + c) / std::hypot(h + c, std::sqrt(1.0 - h * h)),
+               down = 1.0 - std::cos(psi);
+  const double flux = 2.0 * kPi * kLampIntensity * ((1.0 + rho) * up + rho * down);
+  const Analysis found = with_direct(system, {0.5});
+  expect_estimate(found.flux, flux, 1e-7);
+  ASSERT_EQ(found.levels.size(), 1u);
+  expect_estimate(found.levels[0].area, kPi * (1.0 - h * h), 1e-7);
+  expect_estimate(found.levels[0].flux, flux, 1e-7);
+}
+
 TEST(AnalysisOfDirectLight, OfABeamIsAnArea) {
   const Vec3 beam = Vec3(0.3, -0.2, -1).normalized();
   const auto plate =

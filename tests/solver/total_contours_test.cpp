@@ -57,6 +57,33 @@ TEST(TotalContours, OfOneSheetAreTheSheets) {
   EXPECT_EQ(rings, 1);
 }
 
+// 10⁻⁸ above a tilted mirror rounding of the reflector point alone moves E by 10⁻⁸ of it: levels
+// are followed as nearly as that allows, and the answer says so. By the lamp's image.
+TEST(TotalContours, OfALampNextToItsMirror) {
+  const Vec3 n = Vec3(0.3, 0.2, 1).normalized();
+  const Point on(0.31, 0.27, -0.11), image = on - 1e-8 * n;
+  const double height = 0.9;
+  const auto system = OpticalSystem::build(
+      PointLight{on + 1e-8 * n, 1.0},
+      {test::mirror(geometry::make_plane(on, n), geometry::box_aperture({-2, -2, -2}, {2, 2, 2}))},
+      test::floor_at({0, 0, height}, 2, 2));
+  const auto total = total_of(system, {0.4, 0.7, 0.9}, 1e-4);
+  EXPECT_EQ(total.undecided_cells, 0u);
+  for (const auto& w : total.warnings) EXPECT_EQ(w.code, "conditioning");
+  EXPECT_EQ(total.warnings.size(), 1u);
+  expect_closed_rings(total, 2.0);
+  int vertices = 0;
+  for (const Curve& c : total.curves) {
+    if (c.kind != CurveKind::isolux) continue;
+    for (const CurveVertex& v : c.vertices) {
+      const Vec3 way = Point(v.uv.x(), v.uv.y(), height) - image;
+      EXPECT_NEAR(way.z() / std::pow(way.norm(), 3) / c.level, 1.0, 1e-6);
+      ++vertices;
+    }
+  }
+  EXPECT_GT(vertices, 50);
+}
+
 // A coarse polyline may pass points of the grid on the wrong side; its arc is not traced again.
 TEST(TotalContours, DrawnCoarselyAreDrawnOnce) {
   const auto system = test::ball_under_ceiling();

@@ -165,6 +165,20 @@ TEST(DirectLight, EndsWhereAShellBegins) {
                         {0.04, 0.12, 0.165}, 4e-4);
 }
 
+// Within a mirror sphere that the floor cuts light arrives at the cut by several ways, and all of
+// them end there.
+TEST(DirectLight, EndsWithAllSheetsWhereASphereMeetsTheFloor) {
+  const auto system = OpticalSystem::build(PointLight{{0.1, 0.05, -0.65}, 1.0},
+                                           {mirror(make_sphere({0, 0, -0.6}, 1.0), {}, 0.8)},
+                                           floor_at(Point::Zero(), 2, 2));
+  expect_right_by_meter(system, {1.5, 3.0, 6.0}, 4e-4);
+  const auto mirrored = total_of(system, {1.0, 3.0}, 4e-4);
+  expect_settled(mirrored);
+  expect_closed_rings(mirrored, 2.0);
+  expect_true_of_the_meter(system, mirrored);
+  expect_areas(system, mirrored, 4e-4, kDirectPoints);
+}
+
 // A cap a little above the middle of its ball: where the rim takes over from what touches rays,
 // both are nearly one.
 TEST(DirectLight, EndsWhereARimIsNearlyASilhouette) {
