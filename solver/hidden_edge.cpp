@@ -12,10 +12,6 @@ constexpr int kHiddenSteps = 20;
 // A place that lies this share of the segment away from where it was last is another one.
 constexpr double kOtherPlace = 0.1;
 constexpr double kHiddenRoundings = 8.0;
-// Where the segment bends little against the surface rounding moves the touch by more than that. h
-// is stationary in t: a step of this, no shorter than the one before, leaves it right to its
-// square.
-constexpr double kLastTouchStep = 1e-8;
 // Far from a curved rim's edge the steps shrink only linearly. The distance is stationary in the
 // place on the rim: a last step of this share of it leaves it right to the square of the share.
 constexpr int kStepsBeforeShare = 7;
@@ -28,15 +24,12 @@ constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
 HiddenEdge::HiddenEdge(const ForwardMap& map, const Hiding& hiding, const FieldPoint& f,
                        const Point& y, double spacing)
-    : map_(map), hiding_(hiding), spacing_(spacing) {
-  const OpticalSystem& system = map.system();
-  for (const auto& s : system.surfaces()) {
-    reach_ = std::max(reach_, (s.region.center() - f.x).norm() + s.region.diagonal());
-  }
+    : map_(map), hiding_(hiding), reach_(map.system().reach(f.x)), spacing_(spacing) {
   const Point a = point_of_path(f, hiding.segment).at;
   const Vec3 D = point_of_path(f, hiding.segment + 1).at - a;
-  known_.push_back({f.x, D.dot(y - a) / D.squaredNorm(), y});
-  last_ = solved(f, known_.front());
+  const State guess = {f.x, D.dot(y - a) / D.squaredNorm(), y};
+  last_ = solved(f, guess);
+  known_.push_back(std::isfinite(last_.h) ? last_ : guess);
 }
 
 HiddenEdge::Moving HiddenEdge::point_of_path(const FieldPoint& f, int k) const {
@@ -55,20 +48,17 @@ HiddenEdge::Moving HiddenEdge::point_of_path(const FieldPoint& f, int k) const {
 // ∇g·D = 0 along the segment.
 bool HiddenEdge::touch(const Moving& a, const Moving& b, State& state) const {
   const Vec3 D = b.at - a.at;
-  double previous = geometry::kInfinity;
   for (int i = 0; i < kHiddenSteps; ++i) {
     state.y = a.at + state.t * D;
     const auto d = blocker().shape->derivatives(state.y);
     const double step = -d.gradient.dot(D) / D.dot(d.hessian * D);
     if (!std::isfinite(step)) return false;
-    const double size = std::abs(step);
-    if (size <= kHiddenRoundings * geometry::kEpsilon * (1.0 + std::abs(state.t)) ||
-        (size <= kLastTouchStep && size >= 0.5 * previous)) {
+    if (std::abs(step) <= kHiddenRoundings * geometry::kEpsilon * (1.0 + std::abs(state.t))) {
       state.h = d.g;
       const Vec3 slope_a = (1.0 - state.t) * d.gradient, slope_b = state.t * d.gradient;
       state.gradient =
           Vec3(slope_a.dot(a.s) + slope_b.dot(b.s), slope_a.dot(a.t) + slope_b.dot(b.t), 0);
-      // ∇g·D stays zero: D·H dy + ∇g·dD = 0 with dy = (1 − t) da + t db + D dt.
+      // ∂t* (S56).
       const Vec3 DH = d.hessian * D;
       const auto rate = [&](const Vec3& da, const Vec3& db) {
         return -(DH.dot((1.0 - state.t) * da + state.t * db) + d.gradient.dot(db - da)) / DH.dot(D);
@@ -76,7 +66,6 @@ bool HiddenEdge::touch(const Moving& a, const Moving& b, State& state) const {
       state.gradient_t = Vec3(rate(a.s, b.s), rate(a.t, b.t), 0);
       return true;
     }
-    previous = size;
     state.t += step;
   }
   return false;
@@ -119,7 +108,7 @@ bool HiddenEdge::rim(const Moving& a, const Moving& b, State& state) const {
   return false;
 }
 
-// From where the place has moved to by its derivative, as far as that is to be trusted.
+// From where the touch has moved to by ∂t* (S56), as far as that is to be trusted.
 HiddenEdge::State HiddenEdge::solved(const FieldPoint& f, State guess) const {
   const double moved = guess.gradient_t.dot(f.x - guess.x);
   if (std::isfinite(moved)) guess.t += std::clamp(moved, -kOtherPlace, kOtherPlace);

@@ -10,6 +10,7 @@
 
 #include "service/api/contour_json.h"
 #include "tests/support/contour_checks.h"
+#include "tests/support/distance_to.h"
 #include "tests/support/sheet_grid.h"
 #include "tests/support/thorough.h"
 #include "tests/support/total_checks.h"

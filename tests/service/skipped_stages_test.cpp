@@ -10,7 +10,7 @@
 #include "service/api/contour_json.h"
 #include "service/examples/examples.h"
 #include "solver/plan.h"
-#include "tests/support/contour_checks.h"
+#include "tests/support/distance_to.h"
 #include "tests/support/thorough.h"
 
 namespace caustic::service {

@@ -11,6 +11,7 @@
 #include <cstring>
 
 #include "tests/support/contour_checks.h"
+#include "tests/support/distance_to.h"
 #include "tests/support/random_scene.h"
 #include "tests/support/reference.h"
 #include "tests/support/thorough.h"

@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "solver/point_irradiance.h"
-#include "tests/support/contour_checks.h"
+#include "tests/support/distance_to.h"
 #include "tests/support/scenes.h"
 #include "tests/support/strips.h"
 #include "tests/support/thorough.h"

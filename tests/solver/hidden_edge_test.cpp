@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <functional>
+#include <utility>
 
 #include "tests/support/scenes.h"
 
@@ -86,6 +87,30 @@ TEST(HiddenEdge, TouchesABallAtItsDistanceFromTheSegment) {
                         return (square_to_line(center, a, b) - radius * radius) / (2.0 * radius);
                       });
     }
+  }
+}
+
+// From a single place that is known, where along the segment it is told by its derivative: farther
+// than it is let move without.
+TEST(HiddenEdge, FollowsAFastTouch) {
+  const Point center(8.0, 0.1, 0.9);
+  const double radius = 0.2;
+  const auto ball = test::absorber(make_sphere(center, radius));
+  for (const auto& [light, u] : {std::pair(kLights[0], 0.28), std::pair(kLights[1], 0.17)}) {
+    const auto foot = [&](const Bounce& path) {
+      const Vec3 D = path.to - path.x;
+      return (center - path.x).dot(D) / D.squaredNorm();
+    };
+    const Bounce from = bounce_at(light, 0.1, 0.1), to = bounce_at(light, u, 0.1);
+    ASSERT_GT(std::abs(foot(to) - foot(from)), 0.1);
+    const OpticalSystem system = bowl_and(light, ball);
+    const ForwardMap map(system, 0, -1);
+    const HiddenEdge edge(map, {Hiding::Kind::touch, 1, 1}, map.evaluate(from.x),
+                          from.x + foot(from) * (from.to - from.x), 1e3);
+    const FieldPoint f = map.evaluate(to.x);
+    const double square = square_to_line(center, to.x, to.to);
+    EXPECT_NEAR(edge.value(f), (square - radius * radius) / (2.0 * radius), 1e-12);
+    EXPECT_LT((edge.place(f) - to.x - foot(to) * (to.to - to.x)).norm(), 1e-12);
   }
 }
 

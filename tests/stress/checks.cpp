@@ -43,18 +43,6 @@ const Family& family_of(const Trial& trial, const solver::Curve& curve) {
   return trial.result.families[curve.family_id].surfaces;
 }
 
-double distance_to_curve(const solver::Curve& c, const Vec2& q) {
-  const std::size_t n = c.vertices.size();
-  double least = geometry::kInfinity;
-  for (std::size_t i = 0; i + (c.closed ? 0 : 1) < n; ++i) {
-    const Vec2 &a = c.vertices[i].uv, chord = c.vertices[(i + 1) % n].uv - a;
-    const double length2 = chord.squaredNorm();
-    const double w = length2 > 0.0 ? std::clamp((q - a).dot(chord) / length2, 0.0, 1.0) : 0.0;
-    least = std::min(least, (a + w * chord - q).norm());
-  }
-  return least;
-}
-
 std::vector<std::size_t> spread_over(std::size_t n, std::size_t count) {
   std::vector<std::size_t> out;
   for (std::size_t k = 0; k < std::min(n, count); ++k) {

@@ -56,7 +56,6 @@ Finding wrong_estimates(const Subject& s, const solver::Analysis& analysis);
 
 std::string name_of(const Trial& trial, std::size_t curve);
 const Family& family_of(const Trial& trial, const solver::Curve& curve);
-double distance_to_curve(const solver::Curve& curve, const Vec2& q);
 /// At most `count` of n indices, first and last among them.
 std::vector<std::size_t> spread_over(std::size_t n, std::size_t count);
 std::string text(const char* format, ...) __attribute__((format(printf, 1, 2)));

@@ -6,6 +6,7 @@
 
 #include "solver/point_irradiance.h"
 #include "tests/stress/checks.h"
+#include "tests/support/distance_to.h"
 
 namespace caustic::stress {
 namespace {
@@ -108,7 +109,7 @@ Finding missing_curve(const Subject& s, Gun& gun, const Arrived& a, const Point&
     for (const Curve& c : s.trial.result.curves)
       if (c.kind == CurveKind::isolux && c.level == level && c.family_id == family &&
           c.parity == a.reading.parity)
-        least = std::min(least, distance_to_curve(c, *q));
+        least = std::min(least, test::distance_to(c, *q));
     if (least > 3.0 * s.trial.chord() + 1e-7 * s.trial.receiver().width())
       return text(
           "family %d, parity %d passes level %.9g at (%.9g, %.9g) m, %.3g m from its curves",

@@ -7,6 +7,7 @@
 #include "service/api/problem.h"
 #include "tests/stress/checks.h"
 #include "tests/stress/transform.h"
+#include "tests/support/distance_to.h"
 
 namespace caustic::stress {
 namespace {
@@ -49,7 +50,7 @@ Finding far_from(const std::vector<const Curve*>& curves, const std::vector<cons
     for (const std::size_t i : spread_over(c->vertices.size(), 9)) {
       const Vec2 q = scale * c->vertices[i].uv;
       double least = geometry::kInfinity;
-      for (const Curve* other : others) least = std::min(least, distance_to_curve(*other, q));
+      for (const Curve* other : others) least = std::min(least, test::distance_to(*other, q));
       if (least > tolerance)
         return text("(%.9g, %.9g) m is %.3g m from the other's", q.x(), q.y(), least);
     }

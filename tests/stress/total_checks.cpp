@@ -7,6 +7,7 @@
 
 #include "solver/point_irradiance.h"
 #include "tests/stress/checks.h"
+#include "tests/support/distance_to.h"
 
 namespace caustic::stress {
 namespace {
@@ -74,7 +75,7 @@ bool bounds_level(const Curve& c) {
 double distance_to_level(const solver::ContourResult& result, double level, const Vec2& q) {
   double least = geometry::kInfinity;
   for (const Curve& c : result.curves)
-    if (bounds_level(c) && c.level == level) least = std::min(least, distance_to_curve(c, q));
+    if (bounds_level(c) && c.level == level) least = std::min(least, test::distance_to(c, q));
   return least;
 }
 

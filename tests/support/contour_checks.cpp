@@ -295,16 +295,4 @@ std::vector<FieldPoint> points_on_grid(const OpticalSystem& system, int surface,
   return found;
 }
 
-double distance_to(const Curve& c, const Vec2& q) {
-  const std::size_t n = c.vertices.size();
-  double least = geometry::kInfinity;
-  for (std::size_t i = 0; i + (c.closed ? 0 : 1) < n; ++i) {
-    const Vec2 &a = c.vertices[i].uv, chord = c.vertices[(i + 1) % n].uv - a;
-    const double length2 = chord.squaredNorm();
-    const double w = length2 > 0.0 ? std::clamp((q - a).dot(chord) / length2, 0.0, 1.0) : 0.0;
-    least = std::min(least, (a + w * chord - q).norm());
-  }
-  return least;
-}
-
 }  // namespace caustic::test

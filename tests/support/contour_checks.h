@@ -30,7 +30,4 @@ double largest_chord_error(const solver::OpticalSystem& system, const solver::Cu
 std::vector<solver::FieldPoint> points_on_grid(const solver::OpticalSystem& system, int surface,
                                                int side, double level, int parity, int n);
 
-/// From a point of the receiver to the polyline.
-double distance_to(const solver::Curve& curve, const geometry::Vec2& q);
-
 }  // namespace caustic::test
