@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "solver/piece_follower.h"
 #include "solver/shared_edges.h"
 
 namespace caustic::solver {
@@ -12,9 +13,6 @@ using geometry::cross;
 
 namespace {
 
-// Between vertices the total must be what gradients at both ends say, within this share of it.
-constexpr double kTotalShare = 0.05;
-constexpr int kMaxInsertions = 10;
 // The inside of a caustic is looked for so far from it along the fold, as a share of the scene.
 constexpr double kFoldStep = 1e-4;
 // Sheets found this near to the piece's own, as a share of the scene, are its own; and next to a
@@ -22,14 +20,15 @@ constexpr double kFoldStep = 1e-4;
 constexpr double kOwnSheet = 1e-6;
 constexpr double kFoldSheet = 1e-2;
 constexpr double kFoldShare = 1e-4;
-// Totals that could be followed up to this near to the end of a piece, in widths of the receiver,
-// became unbounded there.
-constexpr double kFollowedEnd = 1e-4;
 // Sheets on both sides of a contact are found so far from it, as shares of the scene and of the way
 // between two vertices; pieces this near, in chord tolerances, may have one image.
 constexpr double kBesideContact = 1e-6;
 constexpr double kBesideShare = 1e-3;
 constexpr double kSameImage = 3.0;
+// How many parts there may be of all pieces together, and what share of the largest total those on
+// the two sides of a parting may differ by.
+constexpr std::size_t kMostParts = 64;
+constexpr double kPartedTotal = 1e-3;
 // The second look at whether an edge is one is taken from so far, as a share of the scene.
 constexpr double kSlit = 1e-9;
 
@@ -91,10 +90,8 @@ class PieceMaker {
   bool stood_for(const BoundaryCurve& curve, const std::vector<BoundaryPlace>& places,
                  const BoundaryPlace& at);
   BoundaryVertex begin(const BoundaryCurve& curve, const BoundaryPlace& at, const Vec2& along);
-  bool follow(const BoundaryCurve& curve, const BoundaryVertex& from, const BoundaryPlace& to,
-              int depth, std::vector<BoundaryVertex>& out);
-  std::vector<BoundaryVertex> follow_all(const BoundaryCurve& curve, const BoundaryVertex& first,
-                                         const std::vector<BoundaryPlace>& places);
+  void go_on(std::size_t c, const BoundaryVertex& end, const BoundaryVertex& middle,
+             std::vector<BoundaryPlace> rest);
 
   SheetCarrier& carrier_;
   Budget& budget_;
@@ -102,6 +99,7 @@ class PieceMaker {
   const std::vector<BoundaryCurve>& curves_;
   double width_;
   BoundaryPieces result_;
+  std::size_t parts_ = 0;  // of pieces that could not be followed to their ends
 };
 
 void PieceMaker::split(std::size_t c, const std::vector<Cut>& cuts) {
@@ -166,47 +164,25 @@ bool PieceMaker::mate_left(const BoundaryCurve& curve, const BoundaryPlace& a, c
   return cross(along, mate.sheet.at.push_forward(mate.inside)) > 0.0;
 }
 
-// Vertices after `from` up to `to`, more where the total varies strongly. False where the sheets
-// cannot be carried further.
-bool PieceMaker::follow(const BoundaryCurve& curve, const BoundaryVertex& from,
-                        const BoundaryPlace& to, int depth, std::vector<BoundaryVertex>& out) {
-  BoundaryVertex next{to, from.others, from.companions};
-  const bool carried = carry_beside(carrier_, curve, next.others, next.companions, to.q);
-  bool smooth = false;
-  if (carried) {
-    complete_totals(carrier_, curve, next);
-    const Total before = total_of(from.others), after = total_of(next.others);
-    const double said = 0.5 * (before.gradient + after.gradient).dot(to.q - from.at.q);
-    smooth = std::abs(after.E - before.E - said) <= kTotalShare * after.E;
-  }
-  if (!smooth && depth < kMaxInsertions) {
-    BoundaryPlace middle{0.5 * (from.at.q + to.q), to.own};
-    middle.own.x = 0.5 * (from.at.own.x + to.own.x);
-    const auto at = settle_on(carrier_, curve, middle);
-    if (at && (at->q - middle.q).norm() <= 0.5 * (to.q - from.at.q).norm()) {
-      return follow(curve, from, *at, depth + 1, out) &&
-             follow(curve, BoundaryVertex(out.back()), to, depth + 1, out);
-    }
-  }
-  if (carried) out.push_back(std::move(next));
-  return carried;
-}
-
-// From `first` through all places; where the totals become unbounded the last place says so.
-std::vector<BoundaryVertex> PieceMaker::follow_all(const BoundaryCurve& curve,
-                                                   const BoundaryVertex& first,
-                                                   const std::vector<BoundaryPlace>& places) {
-  std::vector<BoundaryVertex> out;
-  for (const BoundaryPlace& to : places) {
-    const BoundaryVertex from = out.empty() ? first : out.back();
-    if (follow(curve, from, to, 0, out)) continue;
-    const Vec2& reached = out.empty() ? first.at.q : out.back().at.q;
-    result_.unresolved += (places.back().q - reached).norm() > kFollowedEnd * width_;
-    const double outside = curve.on_receiver_edge() ? 0.0 : geometry::kInfinity;
-    out.push_back({places.back(), {}, first.companions, outside, geometry::kInfinity, false});
-    break;
-  }
-  return out;
+// Sheets that fade out and others that fade in, as where rays pass along the receiver, part a piece
+// in two with the same totals. Where they differ a boundary has been missed.
+void PieceMaker::go_on(std::size_t c, const BoundaryVertex& end, const BoundaryVertex& middle,
+                       std::vector<BoundaryPlace> rest) {
+  const std::size_t before = result_.pieces.size();
+  if (++parts_ <= kMostParts && !budget_.exhausted()) finish(c, false, std::move(rest));
+  const auto same = [&](double a, double b) {
+    return std::abs(a - b) <= kPartedTotal * std::max({std::abs(a), std::abs(b), middle.inside});
+  };
+  const auto continues = [&](const BoundaryVertex& v) {
+    return v.followed && (v.at.q - end.at.q).norm() <= 2.0 * kSameCut * width_ &&
+           same(v.inside, end.inside) && same(v.outside, end.outside);
+  };
+  const bool found =
+      std::any_of(result_.pieces.begin() + static_cast<std::ptrdiff_t>(before),
+                  result_.pieces.end(), [&](const BoundaryPiece& piece) {
+                    return continues(piece.vertices.front()) || continues(piece.vertices.back());
+                  });
+  result_.unresolved += !found;
 }
 
 // The curve's own sheet, or one of the fold that it is, or its mate's.
@@ -342,14 +318,20 @@ void PieceMaker::finish(std::size_t c, bool closed, std::vector<BoundaryPlace> p
   }
   const auto start = places.begin() + static_cast<std::ptrdiff_t>(middle);
   if (stood_for(curve, places, *start)) return;
-  BoundaryVertex first = begin(curve, *start, (start + 1)->q - (start - 1)->q);
-  auto back = follow_all(curve, first, {std::make_reverse_iterator(start), places.rend()});
-  auto front = follow_all(curve, first, {start + 1, places.end()});
-  BoundaryPiece piece{static_cast<int>(c), closed, {}};
-  std::move(back.rbegin(), back.rend(), std::back_inserter(piece.vertices));
-  piece.vertices.push_back(std::move(first));
-  std::move(front.begin(), front.end(), std::back_inserter(piece.vertices));
+  const BoundaryVertex first = begin(curve, *start, (start + 1)->q - (start - 1)->q);
+  PieceFollower follower(carrier_, curve);
+  FollowedPiece back = follower.follow(first, {std::make_reverse_iterator(start), places.rend()}),
+                front = follower.follow(first, {start + 1, places.end()});
+  result_.unresolved += back.lost + front.lost;
+  BoundaryPiece piece{static_cast<int>(c), closed && back.rest.empty() && front.rest.empty(), {}};
+  std::move(back.vertices.rbegin(), back.vertices.rend(), std::back_inserter(piece.vertices));
+  piece.vertices.push_back(first);
+  std::move(front.vertices.begin(), front.vertices.end(), std::back_inserter(piece.vertices));
+  const BoundaryVertex head = piece.vertices.front(), tail = piece.vertices.back();
   result_.pieces.push_back(std::move(piece));
+  if (!front.rest.empty()) go_on(c, tail, first, std::move(front.rest));
+  std::reverse(back.rest.begin(), back.rest.end());
+  if (!back.rest.empty()) go_on(c, head, first, std::move(back.rest));
 }
 
 }  // namespace

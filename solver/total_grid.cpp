@@ -22,6 +22,8 @@ constexpr double kBesideArc = 2.0;
 constexpr double kRoamCells = 3.0;
 constexpr double kTooNear = 0.05;
 constexpr double kSameExtreme = 1e-7;
+// Of one family, on one side of a fold, this near to each other as a share of the scene.
+constexpr double kSameSheet = 1e-6;
 
 }  // namespace
 
@@ -197,6 +199,8 @@ std::optional<TotalGrid::Place> TotalGrid::missing() {
         const bool differ = (a.total >= level_) != (b.total >= level_);
         const std::vector<double>& shares = passed[index(i, j)];
         if (differ == (shares.size() % 2 == 1)) return std::nullopt;
+        if (complete(index(i, j), place(i, j), index(i + di, j + dj), place(i + di, j + dj)))
+          return missing();
         given_up[index(i, j)] = 1;
         auto at = level_on_edge(a, place(i, j), b, place(i + di, j + dj), shares);
         if (!at) ++undecided_;
@@ -207,6 +211,33 @@ std::optional<TotalGrid::Place> TotalGrid::missing() {
     }
   }
   return std::nullopt;
+}
+
+// Sheets that are carried from one to the other of two nodes and exist there, but were not found.
+bool TotalGrid::complete(std::size_t a, const Vec2& qa, std::size_t b, const Vec2& qb) {
+  const auto add_to = [&](Node& node, const Vec2& q, const Branches& from) {
+    bool added = false;
+    for (const Branch& branch : from) {
+      const auto at = carrier_.carry(branch.field, branch.at, q);
+      if (!at || !at->arrives() || carrier_.field(branch.field).domain.worst(*at).value > 0.0 ||
+          carrier_.hidden(branch.field, *at))
+        continue;
+      const double same = kSameSheet * carrier_.system().diameter();
+      const bool known =
+          std::any_of(node.branches.begin(), node.branches.end(), [&](const Branch& other) {
+            return other.field == branch.field && other.at.a * at->a > 0.0 &&
+                   (other.at.x - at->x).norm() <= same;
+          });
+      if (known) continue;
+      node.branches.push_back({branch.field, *at});
+      added = true;
+    }
+    if (added) node.total = total_of(node.branches).E;
+    return added;
+  };
+  const Branches of_a = nodes_[a].branches;
+  const bool to_a = add_to(nodes_[a], qa, nodes_[b].branches), to_b = add_to(nodes_[b], qb, of_a);
+  return to_a || to_b;
 }
 
 // The level between two neighbouring places that arcs pass, or a node and one: it is sought where

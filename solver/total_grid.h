@@ -17,8 +17,8 @@ class TotalGrid {
  public:
   explicit TotalGrid(SheetCarrier& carrier);
 
-  /// Seeks a maximum or a minimum from here too, before the first level: in a face that is too small
-  /// for the grid.
+  /// Seeks a maximum or a minimum from here too, before the first level: in a face that is too
+  /// small for the grid.
   void look_from(const Vec2& q) { add_spoke(q, carrier_.find(q)); }
   /// What is less wide or less high than this may lie between its nodes, m.
   double blind_below() const { return (place(2, 2) - place(0, 0)).maxCoeff(); }
@@ -59,6 +59,7 @@ class TotalGrid {
   std::optional<Place> level_on_edge(const Node& a, const Vec2& qa, const Node& b, const Vec2& qb,
                                      std::vector<double> passed);
   Node node_at(const Vec2& q);
+  bool complete(std::size_t a, const Vec2& qa, std::size_t b, const Vec2& qb);
   std::optional<Place> level_between(Node a, Vec2 qa, Node b, Vec2 qb);
   std::optional<Place> level_in_face(const Node& a, const Vec2& qa, const Node& b, const Vec2& qb);
 
