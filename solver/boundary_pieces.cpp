@@ -205,7 +205,8 @@ void PieceMaker::part_sides(const BoundaryCurve& curve, const Vec2& along, Bound
   const double diameter = carrier_.system().diameter();
   const double step = std::min(kBesideContact * diameter, kBesideShare * along.norm());
   const auto beside = [&](double side) {
-    Branches found = carrier_.find(v.at.q + side * step * Vec2(-along.y(), along.x()).normalized());
+    Branches found = carrier_.find(v.at.q + side * step * Vec2(-along.y(), along.x()).normalized(),
+                                   SheetCarrier::Look::anew);
     std::erase_if(found, [&](Branch& b) {
       auto at = carrier_.carry(b.field, b.at, v.at.q);
       if (at) b.at = std::move(*at);
@@ -238,7 +239,7 @@ BoundaryVertex PieceMaker::begin(const BoundaryCurve& curve, const BoundaryPlace
   if (contact_of(carrier_, curve) >= 0) {
     part_sides(curve, along, first);
   } else {
-    first.others = carrier_.find(at.q);
+    first.others = carrier_.find(at.q, SheetCarrier::Look::anew);
     std::erase_if(first.others, [&](const Branch& b) { return ends_here(curve, first, b); });
   }
   complete_totals(carrier_, curve, first);

@@ -40,9 +40,12 @@ SheetCarrier::SheetCarrier(const OpticalSystem& system, std::vector<const Family
   }
 }
 
-bool SheetCarrier::hidden(int field, const FieldPoint& at) {
-  auto& lookout = lookouts_[field];
-  return lookout && lookout->hidden(LightPath(fields_[field]->map, at));
+bool SheetCarrier::hidden(int field, const FieldPoint& at, Look look) {
+  const FamilyField& f = *fields_[field];
+  if (!f.visibility) return false;
+  const LightPath path(f.map, at);
+  return look == Look::anew ? f.visibility->hidden(f.piece.hops, path)
+                            : lookouts_[field]->hidden(path);
 }
 
 // (S50): x moves by J dq, J dq = M⁻¹ dq in the tangent frame, until q(x) has arrived.
@@ -104,11 +107,11 @@ bool SheetCarrier::carry(Branches& branches, const Vec2& to) {
   return true;
 }
 
-Branches SheetCarrier::find(const Vec2& q) {
+Branches SheetCarrier::find(const Vec2& q, Look look) {
   Branches found;
   for (int i = 0; i < field_count() && !budget_.exhausted(); ++i) {
     for (FieldPoint& at : locators_[i].at(q, *evaluators_[i])) {
-      if (!hidden(i, at)) found.push_back({i, std::move(at)});
+      if (!hidden(i, at, look)) found.push_back({i, std::move(at)});
     }
   }
   return found;

@@ -40,11 +40,13 @@ class SheetCarrier {
   /// Carries all, or leaves them as they are and returns false.
   bool carry(Branches& branches, const Vec2& to);
 
+  /// What is remembered of other paths' room (S13), which is an estimate, may do, or not.
+  enum class Look { remembered, anew };
   /// True if something hides the path at this point.
-  bool hidden(int field, const FieldPoint& at);
+  bool hidden(int field, const FieldPoint& at, Look look = Look::remembered);
 
   /// All paths to q that nothing hides, found anew; none once the budget is exhausted.
-  Branches find(const Vec2& q);
+  Branches find(const Vec2& q, Look look = Look::remembered);
 
  private:
   std::optional<FieldPoint> newton(int field, const FieldPoint& from, const Vec2& to);

@@ -15,6 +15,8 @@ namespace {
 
 // Ends of arcs this near, in widths of the receiver, meet.
 constexpr double kJoinShare = 1e-7;
+// Of one family, this near to each other as a share of the scene.
+constexpr double kSameSheetOfArc = 1e-6;
 
 // What an arc has in the answer.
 struct Drawn {
@@ -95,6 +97,7 @@ class TotalTracer {
   bool traced(const TotalSeed& seed, double level);
   void take(LevelArc arc, double level, std::vector<Drawn>& drawn);
   void cut_at_missed_edge(LevelArc& arc);
+  bool lacks_sheets(const LevelArc& arc);
   void take(const JumpArc& jump, double level, std::vector<Drawn>& drawn);
   void take(Curve curve, std::vector<Drawn>& drawn);
   void take(const BoundaryPiece& piece);
@@ -182,10 +185,30 @@ void TotalTracer::cut_at_missed_edge(LevelArc& arc) {
   }
 }
 
+// And no sheet begins: at some of its places all are found anew.
+bool TotalTracer::lacks_sheets(const LevelArc& arc) {
+  const double same = kSameSheetOfArc * system_.diameter();
+  const auto lacks = [&](const ArcVertex& at) {
+    const Branches found = carrier_.find(at.q);
+    return std::any_of(found.begin(), found.end(), [&](const Branch& b) {
+      const auto is_it = [&](const Branch& known) {
+        return known.field == b.field && (known.at.x - b.at.x).norm() <= same;
+      };
+      return std::none_of(at.branches.begin(), at.branches.end(), is_it) &&
+             !carrier_.hidden(b.field, b.at, SheetCarrier::Look::anew);
+    });
+  };
+  const std::size_t n = arc.vertices.size(), step = std::max<std::size_t>(1, n / 4);
+  for (std::size_t i = step; i + 1 < n; i += step)
+    if (lacks(arc.vertices[i])) return true;
+  return false;
+}
+
 void TotalTracer::take(LevelArc arc, double level, std::vector<Drawn>& drawn) {
   result_.unresolved += arc.stalled;
   cut_at_missed_edge(arc);
   if (arc.vertices.size() < 2) return;
+  result_.unresolved += lacks_sheets(arc);
   if (observer_) observer_->level_arc(level, arc);
   Curve curve;
   curve.kind = CurveKind::isolux;

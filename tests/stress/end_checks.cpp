@@ -46,7 +46,13 @@ Finding wrong_end(const Subject& s, const Curve& c, bool front) {
   if (name == Ending::limit)
     return has_stopped(s.trial) ? Finding() : Finding("limit, and no warning says so");
   const auto& end = c.vertices[front ? 0 : n - 1];
-  const auto& before = c.vertices[front ? 1 : n - 2];
+  // Not a vertex that is the end but for rounding.
+  std::size_t next = 1;
+  const auto from_end = [&](std::size_t i) -> const solver::CurveVertex& {
+    return c.vertices[front ? i : n - 1 - i];
+  };
+  while (next + 1 < n && (from_end(next).x - end.x).norm() <= 1e-12 * s.oracle.size()) ++next;
+  const auto& before = from_end(next);
   const auto& inside = c.vertices[n / 2];
   const Family& family = family_of(s.trial, c);
   const auto sides =
