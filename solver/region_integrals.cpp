@@ -79,8 +79,9 @@ RegionIntegrator::Density RegionIntegrator::level_density(const ArcPoint& at) co
 RegionIntegrator::Density RegionIntegrator::boundary_density(const ArcPoint& at, int field,
                                                              const Count& count) const {
   Density sum = Density::Zero();
+  const Vec2 dq = count.turned ? Vec2(-at.dq) : at.dq;
   if (count.others) {
-    for (const Branch& b : at.branches) add_sheet(b, b.at.pull_back(at.dq), sum);
+    for (const Branch& b : at.branches) add_sheet(b, b.at.pull_back(dq), sum);
   }
   if (count.inside) add_sheet({field, *at.own}, at.dx, sum);
   // The boundary runs with its inside on the left.
@@ -90,8 +91,8 @@ RegionIntegrator::Density RegionIntegrator::boundary_density(const ArcPoint& at,
     add_sheet(c.sheet, c.inside ? dx : Vec3(-dx), sum);
   }
   if (count.area) {
-    sum[kArea] = 0.5 * (at.q.x() * at.dq.y() - at.q.y() * at.dq.x());
-    sum.segment<2>(kClosing) = at.dq;
+    sum[kArea] = 0.5 * (at.q.x() * dq.y() - at.q.y() * dq.x());
+    sum.segment<2>(kClosing) = dq;
   }
   return sum;
 }
@@ -163,7 +164,8 @@ void RegionIntegrator::begin(double level, const LevelOnBoundaries& found) {
   for (const JumpArc& jump : found.jumps) {
     const BoundaryCurve& curve = curves_[jump.curve];
     const bool ends = curve.kind != BoundaryKind::caustic && !curve.on_receiver_edge();
-    add(curve, jump.vertices, jump.closed, {true, ends, false, true});
+    add(curve, jump.vertices, jump.closed,
+        {true, ends && !jump.turned, ends && jump.turned, true, jump.turned});
   }
   for (const JumpArc& within : found.within) {
     const BoundaryCurve& curve = curves_[within.curve];

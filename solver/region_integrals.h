@@ -1,4 +1,5 @@
-// Area of a region of the receiver and flux onto it, by line integrals along its edge (S61) to (S63).
+// Area of a region of the receiver and flux onto it, by line integrals along its edge (S61) to
+// (S63).
 #pragma once
 
 #include <vector>
@@ -36,9 +37,10 @@ class RegionIntegrator {
   // ∮dq, Σ∮s of exact forms.
   using Density = Eigen::Matrix<double, 9, 1>;
   // What counts along a boundary: sheets that go on across it, those that begin inside of it, those
-  // that begin outside.
+  // that begin outside. Turned, the region is on the outside.
   struct Count {
     bool others, inside, outside, area;
+    bool turned = false;
   };
 
   void add_sheet(const Branch& sheet, const Vec3& dx, Density& sum) const;

@@ -235,9 +235,12 @@ void TotalTracer::take(const JumpArc& jump, double level, std::vector<Drawn>& dr
   curve.boundary = jump.kind;
   curve.closed = jump.closed;
   for (const BoundaryVertex& at : jump.vertices) {
-    curve.vertices.push_back(vertex(jump.kind, at));
-    curve.vertices.back().irradiance = level;
+    CurveVertex v = vertex(jump.kind, at);
+    v.irradiance = level;
+    if (jump.turned) std::swap(v.dark, v.bright);
+    curve.vertices.push_back(v);
   }
+  if (jump.turned) std::reverse(curve.vertices.begin(), curve.vertices.end());
   take(std::move(curve), drawn);
 }
 

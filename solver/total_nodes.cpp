@@ -62,10 +62,10 @@ class NodeFinder {
     return curve_.kind == BoundaryKind::silhouette ||
            curve_.kind == BoundaryKind::total_internal_reflection;
   }
-  // A part in which the inside is above the level begins here, or none.
+  // A part in which one side is above the level or both are begins here, or none.
   void begin_part(const BoundaryVertex& v) {
-    part_ = !state_[1] ? nullptr : state_[0] ? &out_.within : &out_.jumps;
-    if (part_) part_->push_back({curve_.kind, piece_.curve, false, {v}});
+    part_ = state_[0] && state_[1] ? &out_.within : state_[0] || state_[1] ? &out_.jumps : nullptr;
+    if (part_) part_->push_back({curve_.kind, piece_.curve, false, {v}, !state_[1]});
   }
 
   std::vector<Crossing> crossings(std::size_t i) const {

@@ -26,6 +26,7 @@ struct JumpArc {
   int curve;  ///< index of its boundary curve
   bool closed = false;
   std::vector<BoundaryVertex> vertices;
+  bool turned = false;  ///< of a jump: the brighter side is the outside, where companions are
 };
 
 struct LevelOnBoundaries {

@@ -154,5 +154,28 @@ TEST(AnalysisOfDirectLight, OfABeamIsAnArea) {
   EXPECT_EQ(found.min.E.value, 0.0);
 }
 
+// A beam straight down comes out of a slope of water over half of the floor: by Snell's law and as
+// much light as goes in, on the side of the edge where the direct light is not.
+TEST(AnalysisOfDirectLight, OfABeamOutOfWaterIsAnArea) {
+  const double slope = 40.0 * kPi / 180.0, within = std::asin(1.33 * std::sin(slope));
+  auto water = mirror(geometry::make_plane(Point::Zero(), {std::sin(slope), 0, std::cos(slope)}),
+                      box_aperture({-9, -9, -9}, {9, 9, 9}));
+  water.optics = {Optics::Kind::refract, 1.0, {}, 1.33, 1.0, false};
+  const auto system = OpticalSystem::build(CollimatedLight{{0, 0, -1}, 10.0}, {water},
+                                           floor_at(Point::Zero(), 4, 3));
+  const double out = 10.0 * std::cos(slope) / std::cos(within) * std::cos(within - slope);
+  ASSERT_GT(out, 12.0);
+  ContourRequest request;
+  request.levels.values = {5.0, 12.0};
+  request.direct = true;
+  const Analysis found = analyse(system, request);
+  EXPECT_EQ(found.undecided, 0u);
+  expect_estimate(found.flux, 6.0 * (10.0 + out), 1e-8);
+  ASSERT_EQ(found.levels.size(), 2u);
+  expect_estimate(found.levels[0].area, 12.0, 1e-9);
+  expect_estimate(found.levels[1].area, 6.0, 1e-9);
+  expect_estimate(found.levels[1].flux, 6.0 * out, 1e-8);
+}
+
 }  // namespace
 }  // namespace caustic::solver

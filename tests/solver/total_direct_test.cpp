@@ -239,6 +239,17 @@ TEST(DirectLight, GoesOnBelowWaterAsItsSheet) {
                         {0.1, 0.2, 0.3}, 2e-4);
 }
 
+// Where a slope of water ends on the floor what comes out of it is brighter than the lamp in it.
+TEST(DirectLight, GoesOnBrighterOutOfWater) {
+  const double slope = 40.0 * kPi / 180.0;
+  auto water = mirror(make_plane(Point::Zero(), {std::sin(slope), 0, std::cos(slope)}),
+                      box_aperture({-9, -9, -9}, {9, 9, 9}));
+  water.optics = {Optics::Kind::refract, 1.0, {}, 1.33, 1.0, false};
+  expect_right_by_meter(OpticalSystem::build(PointLight{{0.2, 0.1, 1.5}, 1.0}, {water},
+                                             floor_at(Point::Zero(), 2, 2)),
+                        {0.3, 0.48, 0.55}, 2e-4);
+}
+
 // A plate of 0.3 by 0.5 across a slanted beam, and a speck: the areas of their shadows.
 TEST(DirectLight, LeavesShadowsOfABeam) {
   const Vec3 beam = Vec3(0.3, -0.2, -1).normalized();
