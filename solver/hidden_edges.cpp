@@ -29,6 +29,8 @@ constexpr double kMemorySpacing = 0.1;
 constexpr double kDetour = 0.1;
 // Edges of the same kind on which the same place lies to this share of the scene are one.
 constexpr double kSameEdge = 1e-9;
+// Places of an edge from which the other edge of a sliver is sought.
+constexpr std::size_t kPlacesAcross = 3;
 // Newton's way to an edge, in lengths of its bracket.
 constexpr double kBracketTrust = 3.0;
 
@@ -90,6 +92,7 @@ class HiddenEdgeFinder {
   void find_corner(const BoundaryCurve& curve, FieldPoint a, FieldPoint b, bool real_at_a);
   void keep_real(const Walked& edge);
   void take(Bracket bracket);
+  void look_across(const Walked& edge, double reach);
   void narrow(Bracket& bracket);
   bool known(const Bracket& bracket);
   bool known(const HiddenEdge& edge, const FieldPoint& at) const;
@@ -280,8 +283,31 @@ bool HiddenEdgeFinder::trace(const std::shared_ptr<HiddenEdge>& edge, const Brac
     curve.edge = edge;
     const bool of_domain = coincides_with_domain(field_, curve);
     edges_.push_back(walk({std::move(curve), {}, of_domain}));
+    if (!of_domain) look_across(edges_.back(), bracket.reach);
   }
   return true;
+}
+
+// What is hidden may be a sliver that no samples are in: from some places of its edge across it, in
+// steps twice as long as the one before, to where something is seen again.
+void HiddenEdgeFinder::look_across(const Walked& edge, double reach) {
+  const std::size_t n = edge.curve.own.size(), step = n / (kPlacesAcross + 1) + 1;
+  for (std::size_t i = step; i < n && !budget_.out_of_time(); i += step) {
+    if (!edge.real[i]) continue;
+    const FieldPoint& at = edge.curve.own[i];
+    const Vec3 across = -opening_at(carrier_, edge.curve, at).inside;
+    std::optional<FieldPoint> before;
+    for (double way = kOpeningStep * diameter_; way < reach; way *= 2.0) {
+      FieldPoint f = evaluate_.on_surface(at.x + way * across, at.hits.get());
+      if (!f.arrives() || field_.domain.worst(f).value > 0.0) break;
+      if (search_.hidden(f)) {
+        before = std::move(f);
+      } else {
+        if (before) brackets_.push_back({std::move(f), *before, reach});
+        break;
+      }
+    }
+  }
 }
 
 void HiddenEdgeFinder::take(Bracket bracket) {
