@@ -12,13 +12,13 @@ namespace caustic::stress {
 const std::vector<NamedCheck>& checks() {
   static const std::vector<NamedCheck> table = {
       {"finite", check_finite, 1, false},     {"time", check_time, 1, false},
-      {"vertices", check_vertices, 1, false}, {"chords", check_chords, 1, false},
-      {"seen", check_seen, 1, false},         {"ends", check_ends, 1, false},
-      {"rings", check_rings, 1, false},       {"meter", check_meter, 1, true},
-      {"inside", check_inside, 1, true},      {"rays", check_rays, 2, true},
-      {"moved", check_moved, 4, true},        {"scaled", check_scaled, 4, true},
-      {"mirrored", check_mirrored, 4, true},  {"permuted", check_permuted, 4, true},
-      {"analysis", check_analysis, 5, true}};
+      {"vertices", check_vertices, 1, false}, {"gradients", check_gradients, 1, false},
+      {"chords", check_chords, 1, false},     {"seen", check_seen, 1, false},
+      {"ends", check_ends, 1, false},         {"rings", check_rings, 1, false},
+      {"meter", check_meter, 1, true},        {"inside", check_inside, 1, true},
+      {"rays", check_rays, 2, true},          {"moved", check_moved, 4, true},
+      {"scaled", check_scaled, 4, true},      {"mirrored", check_mirrored, 4, true},
+      {"permuted", check_permuted, 4, true},  {"analysis", check_analysis, 5, true}};
   return table;
 }
 

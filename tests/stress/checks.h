@@ -33,18 +33,19 @@ struct NamedCheck {
 const std::vector<NamedCheck>& checks();
 
 // One file each but for the short ones.
-Finding check_finite(const Subject&);    ///< no NaN in the answer, none in a file
-Finding check_time(const Subject&);      ///< the request's own limit was kept
-Finding check_vertices(const Subject&);  ///< q, E, parity and reflector point in 50 digits
-Finding check_chords(const Subject&);    ///< the true curve runs along the polyline
-Finding check_seen(const Subject&);      ///< nothing is in the way inside of a curve
-Finding check_ends(const Subject&);      ///< stepping past an end meets what it is named after
-Finding check_rings(const Subject&);     ///< arcs of a total close head to tail
-Finding check_meter(const Subject&);     ///< arcs and jumps against all paths, found anew
-Finding check_inside(const Subject&);    ///< random places are inside where a meter reads more
-Finding check_rays(const Subject&);      ///< random rays of the light find no curve that is missing
-Finding check_moved(const Subject&);     ///< turned and shifted
-Finding check_scaled(const Subject&);    ///< in another unit
+Finding check_finite(const Subject&);     ///< no NaN in the answer, none in a file
+Finding check_time(const Subject&);       ///< the request's own limit was kept
+Finding check_vertices(const Subject&);   ///< q, E, parity and reflector point in 50 digits
+Finding check_gradients(const Subject&);  ///< ∇E against differences in 50 digits
+Finding check_chords(const Subject&);     ///< the true curve runs along the polyline
+Finding check_seen(const Subject&);       ///< nothing is in the way inside of a curve
+Finding check_ends(const Subject&);       ///< stepping past an end meets what it is named after
+Finding check_rings(const Subject&);      ///< arcs of a total close head to tail
+Finding check_meter(const Subject&);      ///< arcs and jumps against all paths, found anew
+Finding check_inside(const Subject&);     ///< random places are inside where a meter reads more
+Finding check_rays(const Subject&);    ///< random rays of the light find no curve that is missing
+Finding check_moved(const Subject&);   ///< turned and shifted
+Finding check_scaled(const Subject&);  ///< in another unit
 Finding check_mirrored(const Subject&);
 Finding check_permuted(const Subject&);  ///< surfaces in another order
 Finding check_analysis(const Subject&);  ///< estimates hold for random readings

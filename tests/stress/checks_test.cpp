@@ -90,6 +90,16 @@ TEST_F(PlantedFault, InAVertex) {
   });
 }
 
+TEST_F(PlantedFault, InAGradient) {
+  expect_found_after(check_gradients, [](Trial& t) {
+    for (auto& c : t.result.curves) c.vertices.front().gradient *= 1.0 + 1e-5;
+  });
+  expect_found_after(check_gradients, [](Trial& t) {  // turned, or out of the receiver's plane
+    for (auto& c : t.result.curves)
+      c.vertices.front().gradient += 1e-5 * c.vertices.front().gradient.norm() * Vec3(1, 2, 3);
+  });
+}
+
 TEST_F(PlantedFault, BetweenVertices) {
   expect_found_after(check_chords, [](Trial& t) {
     for (auto& c : t.result.curves) {  // of four vertices one is left

@@ -16,6 +16,9 @@ constexpr Long kOwn = 1e-9L;
 constexpr Long kOfOthers = 1e-13L;
 // A path that ends at an aperture's edge is still a path.
 constexpr Long kEdge = 1e-6L;
+// Sizes of the scene between paths whose E is compared. Where images are stretched a millionfold
+// so is this, and E's own rounding is 1e-32 of it.
+const Real kSlopeStep(1e-15);
 
 template <class Bundle, class T>
 Reading reading_of(const Bundle& b, const T& strength) {
@@ -125,6 +128,30 @@ Spread Oracle::spread(const Family& family, const Point& x, const std::vector<do
     }
   }
   return out;
+}
+
+std::optional<Vec2> Oracle::slope(const Family& family, const Point& x,
+                                  const std::vector<double>& near) const {
+  const std::vector<Real> way(near.begin(), near.end());
+  const RealPoint middle =
+      family.empty() ? exact_.wide(x) : exact_.project(family[0], exact_.wide(x));
+  const RealPoint w = exact_.ray_through(middle).first.w;
+  const int k = abs(w[0]) < Real(0.6) ? 0 : 1;
+  const RealPoint b1 = RealPoint(RealPoint::Unit(k) - w[k] * w).normalized();
+  const Real h = kSlopeStep * scene_.size;
+  Real du[2], dv[2], dE[2];
+  for (int i = 0; i < 2; ++i) {
+    const RealPoint step = i == 0 ? RealPoint(h * b1) : RealPoint(h * b1.cross(w));
+    const auto hi = exact_.bundle(family, middle + step, way),
+               lo = exact_.bundle(family, middle - step, way);
+    if (!hi || !lo) return std::nullopt;
+    du[i] = hi->u - lo->u, dv[i] = hi->v - lo->v;
+    dE[i] = exact_.strength() * (hi->share / abs(hi->det()) - lo->share / abs(lo->det()));
+  }
+  const Real det = du[0] * dv[1] - du[1] * dv[0];
+  if (det == 0) return std::nullopt;
+  return Vec2(static_cast<double>(Real((dE[0] * dv[1] - dE[1] * dv[0]) / det)),
+              static_cast<double>(Real((dE[1] * du[0] - dE[0] * du[1]) / det)));
 }
 
 double Oracle::surface_distance(int surface, const Point& x) const {

@@ -49,6 +49,10 @@ class Oracle {
                                const std::vector<double>& near) const;
   Spread spread(const Family& family, const Point& x, const std::vector<double>& near,
                 const Reading& base) const;
+  /// ∇E in the receiver's axes, by 50-digit differences between paths next to each other; nothing
+  /// where one of them does not arrive or the map is singular.
+  std::optional<Vec2> slope(const Family& family, const Point& x,
+                            const std::vector<double>& near) const;
   double surface_distance(int surface, const Point& x) const;
 
   /// Signs of ∇g·ω at each hop: the sides from which light comes.

@@ -13,6 +13,8 @@ using solver::CurveVertex;
 
 // Rounding moves each of the hops; the reference's surface is not rounded as the program's is.
 constexpr double kSpreads = 16.0;
+// Share of a gradient, or of a level over the window, that it may be off.
+constexpr double kGradient = 1e-7;
 
 bool of_one_sheet(const Curve& c) {
   return c.family_id >= 0 && (c.kind == CurveKind::isolux || c.kind == CurveKind::caustic) &&
@@ -61,6 +63,31 @@ Finding wrong_vertex(const Subject& s, const Curve& c, std::size_t i) {
   return std::nullopt;
 }
 
+Finding wrong_gradient(const Subject& s, const Curve& c, std::size_t i) {
+  const CurveVertex& v = c.vertices[i];
+  const Family& family = family_of(s.trial, c);
+  const auto near = s.oracle.distances(family, v.x, v.uv);
+  const auto expected = s.oracle.slope(family, v.x, near);
+  if (!expected) return std::nullopt;  // what check_vertices is about
+  const auto& receiver = s.trial.receiver();
+  const Vec2 said(receiver.u.dot(v.gradient), receiver.v.dot(v.gradient));
+  const double off = (said - *expected).norm() + std::abs(receiver.m.dot(v.gradient));
+  const double allowed = kGradient * (expected->norm() + c.level / receiver.width());
+  if (off <= allowed) return std::nullopt;
+  // Near a caustic it hangs on the last digits of x, and of what each hop rounds.
+  const double hops = static_cast<double>(family.size());
+  double spread = 0.0;
+  for (const Vec3& axis : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)}) {
+    const double by = 16.0 * geometry::kEpsilon * (v.x.norm() + s.oracle.size());
+    const auto moved = s.oracle.slope(family, v.x + by * axis, near);
+    if (!moved) return std::nullopt;
+    spread = std::max(spread, (*moved - *expected).norm());
+  }
+  if (off <= allowed + kSpreads * hops * spread) return std::nullopt;
+  return text("says that E rises by (%.9g, %.9g) a metre, it does by (%.9g, %.9g)", said[0],
+              said[1], (*expected)[0], (*expected)[1]);
+}
+
 /// The true curve beside the middle of a segment, by secants across it; nothing where they lead
 /// away.
 std::optional<Vec2> true_place(const Subject& s, const Curve& c, const CurveVertex& a,
@@ -96,6 +123,18 @@ Finding check_vertices(const Subject& s) {
     if (!of_one_sheet(c) || late(s)) continue;
     for (const std::size_t i : spread_over(c.vertices.size(), 4))
       if (const auto wrong = wrong_vertex(s, c, i))
+        return name_of(s.trial, k) + text(", vertex %zu of %zu: ", i, c.vertices.size()) + *wrong;
+  }
+  return std::nullopt;
+}
+
+Finding check_gradients(const Subject& s) {
+  const auto& curves = s.trial.result.curves;
+  for (const std::size_t k : spread_over(curves.size(), 10 * s.effort)) {
+    const Curve& c = curves[k];
+    if (!of_one_sheet(c) || c.kind != CurveKind::isolux || late(s)) continue;
+    for (const std::size_t i : spread_over(c.vertices.size(), 3))
+      if (const auto wrong = wrong_gradient(s, c, i))
         return name_of(s.trial, k) + text(", vertex %zu of %zu: ", i, c.vertices.size()) + *wrong;
   }
   return std::nullopt;
