@@ -185,7 +185,7 @@ void TotalTracer::cut_at_missed_edge(LevelArc& arc) {
   }
 }
 
-// And no sheet begins: at some of its places all are found anew.
+// And no sheet begins: in its middle all are found anew.
 bool TotalTracer::lacks_sheets(const LevelArc& arc) {
   const double same = kSameSheetOfArc * system_.diameter();
   const auto lacks = [&](const ArcVertex& at) {
@@ -198,10 +198,8 @@ bool TotalTracer::lacks_sheets(const LevelArc& arc) {
              !carrier_.hidden(b.field, b.at, SheetCarrier::Look::anew);
     });
   };
-  const std::size_t n = arc.vertices.size(), step = std::max<std::size_t>(1, n / 4);
-  for (std::size_t i = step; i + 1 < n; i += step)
-    if (lacks(arc.vertices[i])) return true;
-  return false;
+  const std::size_t n = arc.vertices.size();
+  return n > 2 && lacks(arc.vertices[n / 2]);
 }
 
 void TotalTracer::take(LevelArc arc, double level, std::vector<Drawn>& drawn) {
