@@ -1,5 +1,6 @@
 #include "solver/hermite_curve.h"
 
+#include <algorithm>
 #include <array>
 #include <cassert>
 
@@ -7,6 +8,15 @@ namespace caustic::solver {
 
 using geometry::Point;
 using geometry::Vec3;
+
+namespace {
+
+// So many times as dense as steps places have to be.
+constexpr double kDense = 8.0;
+// A place that is this share of the gap after it away from the next one tells little.
+constexpr double kLeastGap = 0.1;
+
+}  // namespace
 
 std::optional<Point> hermite_curve(std::span<const CurvePlace> known, double ahead) {
   const std::size_t n = known.size();
@@ -38,6 +48,22 @@ std::optional<Point> hermite_curve(std::span<const CurvePlace> known, double ahe
           (square * off / run[i]) * known[i].t;
   }
   return at;
+}
+
+void PassedPlaces::remember(const CurvePlace& passed, const Point& next) {
+  const double gap = (next - passed.x).norm();
+  if (count_ > 0 && (passed.x - passed_[0].x).norm() < kLeastGap * gap) count_ = 0;
+  passed_[1] = passed_[0];
+  passed_[0] = passed;
+  count_ = std::min(count_ + 1, passed_.size());
+}
+
+Point PassedPlaces::predict(const CurvePlace& last, const CurvePlace& ahead, const Point& dense,
+                            double step) const {
+  if (count_ < passed_.size()) return dense;
+  const double way = last.t.dot(dense - last.x), gap = (passed_[0].x - last.x).norm();
+  if (gap < kLeastGap * way || kDense * gap > step) return dense;
+  return hermite_curve(std::array{last, ahead, passed_[0], passed_[1]}, way).value_or(dense);
 }
 
 }  // namespace caustic::solver

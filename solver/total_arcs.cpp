@@ -7,6 +7,7 @@
 
 #include "geometry/root_finding.h"
 #include "solver/chord.h"
+#include "solver/hermite_curve.h"
 #include "solver/predictor.h"
 #include "solver/step_length.h"
 
@@ -76,13 +77,14 @@ class ArcTracer::Impl final : public DirectionField {
     return along.allFinite();
   }
   bool direction_at_end(const Point& p, Vec3& t) override {
-    arrived_ = correct(Vec2(p.x(), p.y()), kTrust * step_);
+    arrived_ = correct(Vec2(p.x(), p.y()), from_->branches, kTrust * step_);
     if (arrived_) t = Vec3(arrived_->t.x(), arrived_->t.y(), 0.0);
     return arrived_.has_value();
   }
 
  private:
-  std::optional<ArcNode> correct(const Vec2& start, double trust);
+  std::optional<ArcNode> correct(const Vec2& start, const Branches& from, double trust);
+  CurvePlace place(const ArcNode& a) const;
   std::optional<ArcNode> advance(const ArcNode& from);
   std::optional<ArcNode> between(const ArcNode& a, const ArcNode& b, double s);
   double split(const ArcNode& a, const ArcNode& b) const;
@@ -102,12 +104,14 @@ class ArcTracer::Impl final : public DirectionField {
   double step_ = 0.0;  // the last that was tried
   double blur_ = 0.0;  // how far from the level rounding left a place of this arc, m
   ArcNode start_;
+  PassedPlaces passed_;  // vertices before the last one
 };
 
-// Newton's method along ∇E, all sheets carried from where the step began.
-std::optional<ArcNode> ArcTracer::Impl::correct(const Vec2& start, double trust) {
+// Newton's method along ∇E, all sheets carried from a place nearby.
+std::optional<ArcNode> ArcTracer::Impl::correct(const Vec2& start, const Branches& from,
+                                                double trust) {
   Vec2 q = start;
-  Branches branches = from_->branches;
+  Branches branches = from;
   double previous = geometry::kInfinity;
   for (int i = 0; i < kMaxCorrections; ++i) {
     if (!carrier_.carry(branches, q)) return std::nullopt;
@@ -148,9 +152,17 @@ std::optional<ArcNode> ArcTracer::Impl::advance(const ArcNode& from) {
   return std::nullopt;
 }
 
+// Where Newton's next step leads from a place that is kept as it is.
+CurvePlace ArcTracer::Impl::place(const ArcNode& a) const {
+  const Total total = total_of(a.at.branches);
+  const Vec2 q =
+      a.at.q + ((options_.level - total.E) / total.gradient.squaredNorm()) * total.gradient;
+  return {Point(q.x(), q.y(), 0.0), Vec3(a.t.x(), a.t.y(), 0.0)};
+}
+
 std::optional<ArcNode> ArcTracer::Impl::between(const ArcNode& a, const ArcNode& b, double s) {
-  const Point p = predictor_.at(s / step_);
-  auto at = correct(Vec2(p.x(), p.y()), (b.at.q - a.at.q).norm());
+  const Point p = passed_.predict(place(a), place(b), predictor_.at(s / step_), step_);
+  auto at = correct(Vec2(p.x(), p.y()), a.at.branches, (b.at.q - a.at.q).norm());
   if (at) at->s = s;
   return at;
 }
@@ -234,10 +246,11 @@ LevelArc ArcTracer::Impl::follow(const Vec2& q, const Branches& branches,
   arc.vertices.push_back({q, branches});
   length_ = StepLength(kFirstStep * width_);
   blur_ = 0.0;
+  passed_.clear();
   // A start inside a face lies on the level to a share of a cell only.
   from_ = &arc.vertices.front();
   if (std::abs(total_of(branches).E / options_.level - 1.0) > kNodeResidual) {
-    const auto on_level = correct(q, length_.now());
+    const auto on_level = correct(q, branches, length_.now());
     arc.stalled = !on_level;
     if (arc.stalled) return arc;
     if ((on_level->at.q - q).norm() > near_node()) arc.vertices.front() = on_level->at;
@@ -245,8 +258,7 @@ LevelArc ArcTracer::Impl::follow(const Vec2& q, const Branches& branches,
   start_ = {arc.vertices.front(), along_level(total_of(arc.vertices.front().branches)), 0.0};
   ArcNode a = start_;
   while (!budget_.exhausted()) {
-    const ArcNode begin = a;  // stages and corrections of the step are carried from here
-    auto b = advance(begin);
+    auto b = advance(a);
     if (!b) break;
     a.s = 0.0;
     std::vector<ArcNode> pending{std::move(*b)};
@@ -260,6 +272,7 @@ LevelArc ArcTracer::Impl::follow(const Vec2& q, const Branches& branches,
         }
       }
       if (accept(a, pending.back(), ends, arc)) return arc;
+      passed_.remember(place(a), Point(pending.back().at.q.x(), pending.back().at.q.y(), 0.0));
       a = std::move(pending.back());
       pending.pop_back();
     }

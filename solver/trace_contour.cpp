@@ -44,10 +44,6 @@ constexpr double kMeetingA = 1e-3;
 // A curve is closed when it comes back to its start within this share of the last piece: above the
 // corrector's error, far below the distance of another branch that a step could confuse it with.
 constexpr double kClosureShare = 1e-4;
-// Vertices are predicted from those before them where these are so many times as dense as steps,
-// and no denser among each other than this share.
-constexpr double kDense = 8.0;
-constexpr double kLeastGap = 0.1;
 constexpr int kMaxInserted = 64;  // vertices in one step
 constexpr int kMaxPending = 24;   // of them not yet accepted
 
@@ -105,10 +101,8 @@ class Tracer final : public DirectionField {
   }
   std::optional<Node> advance(const Node& from);
   double allowance(const Node& from, const Node& to) const;
-  Point predicted(const Node& a, const Node& b, double s) const;
   std::optional<Node> between(const Node& a, const Node& b, double s);
   CurvePlace place(const Node& a) const;
-  void remember(const Node& a, const Node& next);
   double split(const Node& a, const Node& b) const;
   std::optional<Node> cusp_between(const Node& a, const Node& b);
   std::optional<Stop> stop_at_start(const Node& start) const;
@@ -137,8 +131,7 @@ class Tracer final : public DirectionField {
   std::vector<double> safe_until_;     // no boundary is met before that much is travelled
   Node start_;
   std::size_t accepted_ = 0;
-  std::array<CurvePlace, 2> before_;  // vertices before the last one, the last of them first
-  int before_count_ = 0;
+  PassedPlaces passed_;  // vertices before the last one
 };
 
 // How many times as long the step could have been for its turn and its motion on the receiver.
@@ -172,31 +165,13 @@ CurvePlace Tracer::place(const Node& a) const {
   return {a.f.x - (level_.value(a.f) / slope.squaredNorm()) * slope, a.t};
 }
 
-// About where the curve is at arc s of the current step, between the last vertex a and b.
-Point Tracer::predicted(const Node& a, const Node& b, double s) const {
-  const Point x = predictor_.at(s / step_);
-  const double ahead = a.t.dot(x - a.f.x), gap = (before_[0].x - a.f.x).norm();
-  if (before_count_ < 2 || gap < kLeastGap * ahead || kDense * gap > step_) return x;
-  return hermite_curve(std::array{place(a), place(b), before_[0], before_[1]}, ahead).value_or(x);
-}
-
 // The curve's point at arc s of the current step, between two of its nodes.
 std::optional<Node> Tracer::between(const Node& a, const Node& b, double s) {
-  const auto f =
-      correct(evaluate_, level_, predicted(a, b, s),
-              {options_.residual, kPositionShare * step_, (b.f.x - a.f.x).norm()}, a.f.hits.get());
+  const auto f = correct(
+      evaluate_, level_, passed_.predict(place(a), place(b), predictor_.at(s / step_), step_),
+      {options_.residual, kPositionShare * step_, (b.f.x - a.f.x).norm()}, a.f.hits.get());
   if (!f) return std::nullopt;
   return node(*f, s);
-}
-
-// The vertex a is the last one no longer. Places much closer than those after them tell little.
-void Tracer::remember(const Node& a, const Node& next) {
-  const CurvePlace at = place(a);
-  const double gap = (next.f.x - a.f.x).norm();
-  if (before_count_ > 0 && (at.x - before_[0].x).norm() < kLeastGap * gap) before_count_ = 0;
-  before_[1] = before_[0];
-  before_[0] = at;
-  before_count_ = std::min(before_count_ + 1, 2);
 }
 
 // Where on (0, 1) the next vertex between a and b is wanted; 1 if none is.
@@ -394,7 +369,7 @@ Stop Tracer::follow(const FieldPoint& seed, double sign, Trace& out) {
   sign_ = sign;
   length_ = StepLength(options_.first_step);
   accepted_ = 0;
-  before_count_ = 0;
+  passed_.clear();
   travelled_ = {};
   safe_until_.assign(static_cast<std::size_t>(domain_.size()), 0.0);
   start_ = node(seed, 0.0);
@@ -419,7 +394,7 @@ Stop Tracer::follow(const FieldPoint& seed, double sign, Trace& out) {
         }
       }
       if (const auto stop = accept(a, next, out)) return *stop;
-      remember(a, next);
+      passed_.remember(place(a), next.f.x);
       a = std::move(pending[--count]);
     }
   }
