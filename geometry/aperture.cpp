@@ -90,27 +90,4 @@ bool exists_at(const std::vector<Bound>& bounds, const Point& x, double slack) {
                      [&](const Bound& b) { return b.value(x) <= slack; });
 }
 
-Box box_of(const std::vector<Bound>& bounds) {
-  Box box;
-  for (const Bound& b : bounds) {
-    if (b.kind == Bound::Kind::ball) {
-      box = box.intersected(Box::around(b.point, b.radius));
-    } else if (b.kind == Bound::Kind::cylinder) {
-      // Along a world axis the cylinder reaches r·√(1 − a_i²), if its own axis is across it.
-      for (int i = 0; i < 3; ++i) {
-        if (b.axis[i] == 0.0) {
-          box.min[i] = std::max(box.min[i], b.point[i] - b.radius);
-          box.max[i] = std::min(box.max[i], b.point[i] + b.radius);
-        }
-      }
-    } else if (b.kind == Bound::Kind::half_space) {
-      for (int i = 0; i < 3; ++i) {
-        if (b.axis[i] == 1.0) box.max[i] = std::min(box.max[i], b.point[i]);
-        if (b.axis[i] == -1.0) box.min[i] = std::max(box.min[i], b.point[i]);
-      }
-    }
-  }
-  return box;
-}
-
 }  // namespace caustic::geometry

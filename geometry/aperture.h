@@ -53,7 +53,11 @@ Bound ball(const Point& center, double radius, Bound::Origin origin);
 /// True if every bound admits x, with `slack` metres to spare on the generous side.
 bool exists_at(const std::vector<Bound>& bounds, const Point& x, double slack = 0.0);
 
-/// World box outside of which the bounds admit nothing (infinite where they do not say).
+/// World box outside of which the bounds admit nothing, infinite where they do not say. Of
+/// half-spaces and balls the smallest, however they are turned; of expressions nothing. (S84)
 Box box_of(const std::vector<Bound>& bounds);
+
+/// The bounded box without what expressions among the bounds exclude at its sides.
+Box without_excluded_sides(Box box, const std::vector<Bound>& bounds);
 
 }  // namespace caustic::geometry

@@ -7,8 +7,9 @@ namespace {
 // An unbounded surface exists inside a ball this many diameters of the rest of the scene (api.md).
 constexpr double kClipDiameters = 1e3;
 
-// A bound of an aperture that admits all that the others leave is none: exploration and tracing need
-// not ask it, and no curve ends there. The shape's own are why its box is no larger: they stay.
+// A bound of an aperture that admits all that the others leave is none: exploration and tracing
+// need not ask it, and no curve ends there. The shape's own are why its box is no larger: they
+// stay.
 void drop_idle_bounds(SystemSurface& surface) {
   auto& bounds = surface.bounds;
   for (std::size_t i = 0; i < bounds.size();) {
@@ -61,10 +62,11 @@ OpticalSystem OpticalSystem::build(Light light, std::vector<SystemSurface> surfa
   const double clip = 0.5 * kClipDiameters * system.diameter_;
   for (SystemSurface& surface : surfaces) {
     if (surface.region.bounded()) continue;
-    surface.bounds.push_back(
-        geometry::ball(system.center_, clip, geometry::Bound::Origin::clip));
+    surface.bounds.push_back(geometry::ball(system.center_, clip, geometry::Bound::Origin::clip));
     surface.region = surface.region.intersected(geometry::Box::around(system.center_, clip));
   }
+  for (SystemSurface& surface : surfaces)
+    surface.region = geometry::without_excluded_sides(surface.region, surface.bounds);
   system.extent_ = {geometry::Point::Constant(geometry::kInfinity),
                     geometry::Point::Constant(-geometry::kInfinity)};
   for (const SystemSurface& surface : surfaces) {

@@ -20,10 +20,14 @@ std::vector<Bound> bounds_of_each_kind(Random& random) {
 double outside_by(const Bound& b, const Point& x) {
   const Vec3 y = x - b.point;
   switch (b.kind) {
-    case Bound::Kind::half_space: return y.dot(b.axis);
-    case Bound::Kind::cylinder: return y.cross(b.axis).norm() - b.radius;
-    case Bound::Kind::ball: return y.norm() - b.radius;
-    case Bound::Kind::expression: break;
+    case Bound::Kind::half_space:
+      return y.dot(b.axis);
+    case Bound::Kind::cylinder:
+      return y.cross(b.axis).norm() - b.radius;
+    case Bound::Kind::ball:
+      return y.norm() - b.radius;
+    case Bound::Kind::expression:
+      break;
   }
   return 0.0;
 }
@@ -84,8 +88,8 @@ TEST(Bound, LowerBoundIsOne) {
         least = std::min(least, b.value(y));
       }
       // Straight inwards it is attained.
-      const double inwards = std::min(r, b.kind == Bound::Kind::half_space
-                                             ? r : outside_by(b, x) + b.radius);
+      const double inwards =
+          std::min(r, b.kind == Bound::Kind::half_space ? r : outside_by(b, x) + b.radius);
       least = std::min(least, b.value(x - inwards * b.gradient(x).normalized()));
       EXPECT_LE(bound, least + 1e-12);
       EXPECT_NEAR(bound, least, 1e-12);
@@ -93,15 +97,17 @@ TEST(Bound, LowerBoundIsOne) {
   }
 }
 
-// ---- Expressions ---------------------------------------------------------------------------------
+// ---- Expressions
+// ---------------------------------------------------------------------------------
 
 Bound bound_of(const char* text, double metres = 1.0) {
   return expression_aperture(
       std::make_shared<const ExpressionBound>(read_expression(text, metres), metres));
 }
 
-constexpr const char* kApertures[] = {"x^2+y^2-1", "4*(x^2+y^2+z^2)^2-1", "abs(x)+abs(y)-0.7",
-                                      "y-x^2", "1000*(x-0.3)", "sin(3*x)*cos(2*y)-0.1*z"};
+constexpr const char* kApertures[] = {"x^2+y^2-1",         "4*(x^2+y^2+z^2)^2-1",
+                                      "abs(x)+abs(y)-0.7", "y-x^2",
+                                      "1000*(x-0.3)",      "sin(3*x)*cos(2*y)-0.1*z"};
 
 TEST(ExpressionBound, GradientAndSlope) {
   Random random(5);
@@ -183,8 +189,10 @@ TEST(BoxOf, ContainsWhatExists) {
     for (const Bound& b : bounds_of_each_kind(random)) {
       if (random.index(2) == 0) bounds.push_back(b);
     }
-    if (random.index(2) == 0) bounds.push_back(cylinder_aperture(random.in_cube(1.0), {0, 1, 0}, 0.8));
-    if (random.index(2) == 0) bounds.push_back(half_space_aperture(random.in_cube(1.0), {0, 0, -1}));
+    if (random.index(2) == 0)
+      bounds.push_back(cylinder_aperture(random.in_cube(1.0), {0, 1, 0}, 0.8));
+    if (random.index(2) == 0)
+      bounds.push_back(half_space_aperture(random.in_cube(1.0), {0, 0, -1}));
     const Box box = box_of(bounds);
     for (int k = 0; k < 200; ++k) {
       const Point x = random.in_cube(3.0);
@@ -197,6 +205,86 @@ TEST(BoxOf, ContainsWhatExists) {
   EXPECT_TRUE(box_of({ball({1, 1, 1}, 2.0, Bound::Origin::clip)}).bounded());
   EXPECT_FALSE(box_of(std::vector<Bound>{}).bounded());
   EXPECT_TRUE(box_of(box_aperture({0, 0, 1}, {1, 1, 0})).empty());
+}
+
+// Half-spaces of a box's six faces, turned and shifted, in any order: as tight as the hull of its
+// corners; with one face left out as far as the others reach, and unbounded along that.
+TEST(Bound, BoxOfATurnedBoxIsThatOfItsCorners) {
+  Random random(8);
+  for (int i = 0; i < 100; ++i) {
+    const Mat3 turn = i == 0 ? Mat3(Mat3::Identity()) : random.rotation();
+    const Point center = random.in_cube(5.0);
+    const Vec3 half(random.log_uniform(1e-6, 1e3), random.uniform(0.1, 1.0), 1.0);
+    std::vector<Bound> faces;
+    Box hull{center, center};
+    for (int corner = 0; corner < 8; ++corner) {
+      Vec3 y;
+      for (int k = 0; k < 3; ++k) y[k] = corner >> k & 1 ? half[k] : -half[k];
+      const Point x = center + turn * y;
+      hull = {hull.min.cwiseMin(x), hull.max.cwiseMax(x)};
+    }
+    for (int k = 0; k < 3; ++k) {
+      for (const double s : {-1.0, 1.0}) {
+        const Vec3 n = s * turn.col(k);
+        faces.push_back(half_space_aperture(center + half[k] * n, n));
+      }
+    }
+    const Box box = box_of(faces);
+    EXPECT_LT((box.min - hull.min).cwiseAbs().maxCoeff(), 1e-9 * half.norm());
+    EXPECT_LT((box.max - hull.max).cwiseAbs().maxCoeff(), 1e-9 * half.norm());
+    faces.pop_back();
+    EXPECT_FALSE(box_of(faces).bounded());
+  }
+}
+
+// A cylinder across which a slab is laid: the ellipses in which they meet, and no more than a
+// prism's corners beyond.
+TEST(Bound, BoxOfACutCylinder) {
+  Random random(9);
+  for (int i = 0; i < 100; ++i) {
+    const Vec3 axis = random.direction(), n = (axis + 0.3 * random.direction()).normalized();
+    const double r = random.uniform(0.2, 2.0), half = random.uniform(0.2, 2.0);
+    const Box box = box_of({cylinder_aperture({0, 0, 0}, axis, r), half_space_aperture(half * n, n),
+                            half_space_aperture(-half * n, -n)});
+    const Frame across(axis);
+    Box hull{Point::Zero(), Point::Zero()};
+    for (int k = 0; k < 720; ++k) {
+      const Vec3 y =
+          r * (std::cos(k * kPi / 360.0) * across.e1 + std::sin(k * kPi / 360.0) * across.e2);
+      for (const double s : {-half, half}) {
+        const Point x = y + axis * ((s - n.dot(y)) / n.dot(axis));
+        hull = {hull.min.cwiseMin(x), hull.max.cwiseMax(x)};
+      }
+    }
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_LE(box.min[k], hull.min[k] + 1e-9);
+      EXPECT_GE(box.max[k], hull.max[k] - 1e-9);
+      EXPECT_LT(box.max[k], 1.09 * hull.max[k]);
+    }
+  }
+}
+
+TEST(ExpressionBound, SidesWithoutAnythingAreLeftOut) {
+  Random random(10);
+  const Bound egg = bound_of("(x-0.3)^2+4*(y+0.2)^2+1.5*(z-0.1)^2-0.04");
+  const Box about{{0.1, -0.3, 0.1 - 0.2 / std::sqrt(1.5)}, {0.5, -0.1, 0.1 + 0.2 / std::sqrt(1.5)}};
+  const Box box = without_excluded_sides(Box::around({20, 70, -50}, 1e3), {egg});
+  EXPECT_TRUE(box.contains(about.min) && box.contains(about.max));
+  EXPECT_LT(box.diagonal(), 1.5 * about.diagonal());
+  // What excludes nothing leaves all; what the others exclude is no expression's matter.
+  const Box cube = Box::around({0, 0, 0}, 1.0);
+  for (const Bound& b : {bound_of("x-2"), half_space_aperture({5, 0, 0}, {1, 0, 0})}) {
+    EXPECT_EQ(without_excluded_sides(cube, {b}).min, cube.min);
+    EXPECT_EQ(without_excluded_sides(cube, {b}).max, cube.max);
+  }
+  for (const char* text : kApertures) {
+    const Bound b = bound_of(text);
+    const Box left = without_excluded_sides(Box::around({0.2, 0, 0}, 2.0), {b});
+    for (int k = 0; k < 2000; ++k) {
+      const Point x = Point(0.2, 0, 0) + random.in_cube(2.0);
+      EXPECT_TRUE(b.value(x) > 0.0 || left.contains(x)) << text;
+    }
+  }
 }
 
 }  // namespace
