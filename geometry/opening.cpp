@@ -11,6 +11,9 @@ constexpr int kApproaches = 40;  // projections until inside
 constexpr int kClimbs = 40;      // steps of a climb, halved where they do not help
 // A climb is at its top when its steps are this share of the margin found.
 constexpr double kTopShare = 0.1;
+// From the top so many directions are looked along, so many times as far as is known to exist.
+constexpr int kDirections = 8;
+constexpr double kFarther = 4.0;
 
 double largest(const std::vector<Bound>& bounds, const Point& x) {
   double h = -kInfinity;
@@ -43,9 +46,8 @@ Point towards_surface(const Surface& surface, Point x) {
 // Projections onto the worst bound and back to the surface, until x exists.
 Point approach(const Surface& surface, const std::vector<Bound>& bounds, Point x) {
   for (int i = 0; i < kApproaches; ++i) {
-    const auto worst = std::max_element(bounds.begin(), bounds.end(), [&](auto& a, auto& b) {
-      return a.value(x) < b.value(x);
-    });
+    const auto worst = std::max_element(bounds.begin(), bounds.end(),
+                                        [&](auto& a, auto& b) { return a.value(x) < b.value(x); });
     const double h = worst->value(x);
     if (h <= 0.0) break;
     const Vec3 slope = worst->gradient(x);
@@ -54,12 +56,34 @@ Point approach(const Surface& surface, const std::vector<Bound>& bounds, Point x
   return x;
 }
 
+// How far the surface exists about x, about which it does so for `room`. A margin is no more than
+// that, and much less where the surface all but touches a bound.
+double room_about(const Surface& surface, const std::vector<Bound>& bounds, const Point& x,
+                  double room, double enough) {
+  Vec3 gradient;
+  surface.value_gradient(x, gradient);
+  const Frame along(gradient.normalized());
+  const auto exists = [&](int k) {
+    const double angle = 2.0 * kPi * k / kDirections;
+    const Vec3 direction = std::cos(angle) * along.e1 + std::sin(angle) * along.e2;
+    return largest(bounds, towards_surface(surface, x + kFarther * room * direction)) <= 0.0;
+  };
+  while (room > 0.0 && room < enough) {
+    for (int k = 0; k < kDirections; ++k) {
+      if (!exists(k)) return room;
+    }
+    room *= kFarther;
+  }
+  return std::min(room, enough);
+}
+
 }  // namespace
 
 double opening_radius(const Surface& surface, const std::vector<Bound>& bounds,
                       const std::vector<Point>& starts, double enough) {
   if (bounds.empty()) return enough;
   double best = -kInfinity;
+  Point top = Point::Zero();
   for (const Point& start : starts) {
     Point x = approach(surface, bounds, start);
     double h = largest(bounds, x), step = enough;
@@ -73,10 +97,12 @@ double opening_radius(const Surface& surface, const std::vector<Bound>& bounds,
         step *= 0.5;
       }
     }
-    best = std::max(best, -h);
+    if (!(-h > best)) continue;
+    best = -h;
+    top = x;
     if (best >= enough) return enough;
   }
-  return best;
+  return room_about(surface, bounds, top, best, enough);
 }
 
 }  // namespace caustic::geometry
