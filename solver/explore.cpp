@@ -13,6 +13,7 @@
 #include "geometry/opening.h"
 #include "geometry/root_finding.h"
 #include "solver/chart_place.h"
+#include "solver/subdivision.h"
 
 namespace caustic::solver {
 
@@ -45,12 +46,8 @@ constexpr double kBulge = 2.0;
 constexpr int kPathEndHalvings = 24;
 // Corners on the domain's boundary are as near to it as this share of the edge they cut.
 constexpr double kClipShare = 1e-4;
-// The samples' spread about the middle underestimates a cell's radius on curved charts.
-constexpr double kRadiusFactor = 1.3;
 // Half the radius of a cell that the aperture cuts is at most the radius of what that leaves.
 constexpr double kOpeningShare = 0.5;
-// A cell must be smaller than this many distances from a point source, to see σ vary.
-constexpr double kSourceShare = 0.7;
 // After so many cells nothing is refined further than this: a scene that needs more is degenerate.
 constexpr std::size_t kDeepCells = 20000;
 constexpr int kLateDepth = 4;
@@ -142,7 +139,6 @@ class Explorer {
   bool hides(int sample);
   std::optional<double> hidden_share(const View& view);
   double hidden_share(int chart, const std::vector<Corner>& polygon);
-  bool near_source(const View& view) const;
   double coordinate(std::int64_t i) const {
     return static_cast<double>(i) / (base_ * double(kFinest));
   }
@@ -270,11 +266,6 @@ bool Explorer::varies(const View& view) const {
          q_off > kImageVariation * std::hypot(u.width(), v.width());
 }
 
-bool Explorer::near_source(const View& view) const {
-  const auto* point = std::get_if<PointLight>(&system_.light());
-  return point && view.radius > kSourceShare * (view(result_, 4).x - point->position).norm();
-}
-
 Explorer::Verdict Explorer::judge(const Square& c, View& view) {
   const int deepest = seen_ < kDeepCells ? kImageDepth : kLateDepth;
   const Point& middle = view(result_, 4).x;
@@ -283,7 +274,7 @@ Explorer::Verdict Explorer::judge(const Square& c, View& view) {
   if (view.cut && view.radius * kOpeningShare > opening_ && c.depth < deepest) {
     return Verdict::refine;
   }
-  if (near_source(view)) {
+  if (near_light(system_.light(), middle, view.radius)) {
     if (c.depth < (seen_ < kDeepCells ? kSourceDepth : kLateDepth)) return Verdict::approach;
     ++result_.unresolved;
     return Verdict::discard;
@@ -297,7 +288,7 @@ Explorer::Verdict Explorer::judge(const Square& c, View& view) {
     const Between rays = seen_ < kDeepCells ? between_rays(view) : Between::dense;
     if (rays == Between::perhaps) return Verdict::seek;
     if (finite == 0 && rays != Between::mixed) return Verdict::discard;
-    if (c.depth < kPathEndDepth) return Verdict::refine;
+    if (depth < kPathEndDepth) return Verdict::refine;
     if (finite == 0) return Verdict::discard;
     if (map_.paths_may_end()) return judge_at_path_ends(view);
     ++result_.unresolved;
@@ -331,7 +322,7 @@ Explorer::Verdict Explorer::judge(const Square& c, View& view) {
   }
   if (unseen && !unseen_too_) return Verdict::discard;
   if (facing.lo < 0.0 && facing.hi > 0.0) {
-    if (c.depth < kPoleDepth) return Verdict::refine;
+    if (depth < kPoleDepth) return Verdict::refine;
     result_.unresolved += !unseen;
     return Verdict::discard;
   }

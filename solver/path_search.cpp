@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "solver/subdivision.h"
+
 namespace caustic::solver {
 
 namespace {
@@ -17,8 +19,6 @@ constexpr int kFoldDepth = 20;
 constexpr int kBrokenDepth = 7;
 // Cells none of whose nine places is lit are dark from here on.
 constexpr int kDarkDepth = 1;
-// A cell must be smaller than this many distances from a point light, to see what it lights.
-constexpr double kLightShare = 0.7;
 // Cells none of whose nine rays arrives, with nothing small between them, are taken for empty once
 // they look this small from the light.
 constexpr double kSeekShare = 0.05;
@@ -37,8 +37,6 @@ constexpr double kImageReach = 1.0;
 constexpr double kInjective = 3.0;
 // Each step takes a factor of the bending over the stretch off the error of the start.
 constexpr int kPreimageSteps = 3;
-// Cells cut off by an aperture: the samples' spread underestimates the radius of curved cells.
-constexpr double kRadiusMargin = 1.3;
 // Questions are first expected within this share of the scene about each other.
 constexpr double kFirstRegion = 0.02;
 // Work for one point: a scene that needs more is a perfect focus.
@@ -148,9 +146,11 @@ Point PathSearch::place(const Cell& cell, double s, double t) const {
                                    std::clamp((j + half * (1.0 + t)) * unit, 0.0, 1.0));
 }
 
+// What of nine places becomes of a cell: what kind it is, and if rays of it arrive, how they
+// spread.
 void PathSearch::make(Cell& cell) {
   const std::int64_t half = half_side(cell);
-  std::array<int, 9> index;
+  Nine index;
   int valid = 0, lit = 0;
   double radius = 0.0;
   for (int k = 0; k < 9; ++k) {
@@ -158,15 +158,13 @@ void PathSearch::make(Cell& cell) {
     valid += samples_[index[k]].valid;
     lit += samples_[index[k]].lit;
   }
-  for (int k = 0; k < 9; ++k) {
-    radius = std::max(radius, (samples_[index[k]].x - samples_[index[4]].x).norm());
-  }
-  const bool near = near_light(samples_[index[4]].x, radius);
+  const Point& middle = samples_[index[4]].x;
+  for (const int k : index) radius = std::max(radius, (samples_[k].x - middle).norm());
+  const bool near = near_light(tracer_.light(), middle, radius);
   if (lit == 0 && cell.depth >= kDarkDepth && !near) return;
   const auto outside = [&](const std::vector<geometry::Bound>& bounds) {
     return std::any_of(bounds.begin(), bounds.end(), [&](const auto& bound) {
-      const Point& middle = samples_[index[4]].x;
-      return bound.lower_bound_within(middle, kRadiusMargin * radius) > 0.0;
+      return bound.lower_bound_within(middle, kRadiusFactor * radius) > 0.0;
     });
   };
   if (outside(*tracer_.first().bounds) || outside(charts_[cell.chart].cell)) return;
@@ -177,17 +175,30 @@ void PathSearch::make(Cell& cell) {
   }
   const Between missed = valid < 9 ? between_rays(index) : Between::dense;
   if (valid == 0 && missed != Between::perhaps) {
-    const bool large =
-        cell.level() < kSeekDepth && apparent_size(samples_[index[4]].x, radius) >= kSeekShare;
+    const bool large = cell.level() < kSeekDepth && apparent_size(middle, radius) >= kSeekShare;
     if (missed == Between::nothing || !large) return;
   }
-  // The middle ray, or any that there is, gives the frame.
-  const Sample* frame = &samples_[index[4]];
-  for (int k = 0; !frame->valid && k < 9; ++k) frame = &samples_[index[k]];
   cell.seeks = missed == Between::perhaps;
   const bool wide = valid == 0 || cell.seeks;
   cell.kind = valid == 9 ? Kind::smooth : wide ? Kind::wide : Kind::broken;
   if (valid == 0) return;
+  set_rays(cell, index);
+  // Beside the light directions vary as much, but there it is the cell that is too large.
+  if (valid == 9 && cell.level() >= kBrokenDepth && tracer_.hops() > 1 &&
+      apparent_size(middle, radius) < kSeekShare && jumps(index)) {
+    cell.kind = Kind::broken;
+  }
+  if (cell.kind == Kind::broken) spread_by_derivatives(cell, index, radius);
+  cell.reach_o *= kSpreadFactor;
+  cell.reach_w *= kSpreadFactor;
+  cell.behind *= kSpreadFactor;
+}
+
+// The rays that arrive in the frame of the middle one, or of any that there is; the cell is wide if
+// some lean against it.
+void PathSearch::set_rays(Cell& cell, const Nine& samples) const {
+  const Sample* frame = &samples_[samples[4]];
+  for (int k = 0; !frame->valid && k < 9; ++k) frame = &samples_[samples[k]];
   cell.w = frame->ray.w.normalized();
   cell.o = frame->ray.o;
   const geometry::Frame across(cell.w);
@@ -195,66 +206,52 @@ void PathSearch::make(Cell& cell) {
   cell.v = across.e2;
   Mat3 to_frame;
   to_frame << cell.u.transpose(), cell.v.transpose(), cell.w.transpose();
+  std::array<Vec2, 9> at, slopes;
   for (int k = 0; k < 9; ++k) {
-    const Sample& s = samples_[index[k]];
-    if (!s.valid) continue;
-    const Vec3 o = to_frame * (s.ray.o - cell.o), w = to_frame * s.ray.w;
-    if (w.z() < kLeastCosine) cell.kind = Kind::wide;
-    const Vec2 slope = w.head<2>() / w.z();
-    cell.rays[k] = {o.head<2>() - o.z() * slope, slope};
-    cell.reach_w = std::max(cell.reach_w, slope.norm());
-    cell.reach_o = std::max(cell.reach_o, cell.rays[k].at.norm());
-    cell.behind = std::max(cell.behind, o.norm());
-  }
-  std::array<Vec2, 9> at, slope;
-  for (int k = 0; k < 9; ++k) {
+    const Sample& s = samples_[samples[k]];
+    if (s.valid) {
+      const Vec3 o = to_frame * (s.ray.o - cell.o), w = to_frame * s.ray.w;
+      if (w.z() < kLeastCosine) cell.kind = Kind::wide;
+      const Vec2 slope = w.head<2>() / w.z();
+      cell.rays[k] = {o.head<2>() - o.z() * slope, slope};
+      cell.reach_w = std::max(cell.reach_w, slope.norm());
+      cell.reach_o = std::max(cell.reach_o, cell.rays[k].at.norm());
+      cell.behind = std::max(cell.behind, o.norm());
+    }
     at[k] = cell.rays[k].at;
-    slope[k] = cell.rays[k].slope;
+    slopes[k] = cell.rays[k].slope;
   }
-  const Bending o(at), w(slope);
+  const Bending o(at), w(slopes);
   cell.bending_o = o.ss + o.tt;
   cell.bending_w = w.ss + w.tt;
-  // Beside the light directions vary as much, but there it is the cell that is too large.
-  if (valid == 9 && cell.level() >= kBrokenDepth && tracer_.hops() > 1 &&
-      apparent_size(samples_[index[4]].x, radius) < kSeekShare && jumps(index)) {
-    cell.kind = Kind::broken;
+}
+
+// A single sample has no spread: derivatives say what the rays between do.
+void PathSearch::spread_by_derivatives(Cell& cell, const Nine& samples, double radius) const {
+  for (int k = 0; k < 9; ++k) {
+    Pencil pencil;
+    const Point& x = samples_[samples[k]].x;
+    if (!samples_[samples[k]].valid || !tracer_.trace(x, pencil)) continue;
+    // Along the surface: off it they have no bound where light leaves grazing as it came.
+    Vec3 N;
+    tracer_.first().shape->value_gradient(x, N);
+    const Mat3 along = Mat3::Identity() - N * N.transpose() / N.squaredNorm();
+    pencil.dx *= along;
+    pencil.dw *= along;
+    cell.reach_o = std::max(cell.reach_o, radius * pencil.dx.norm());
+    // Angles add up; from a right one on the plane across the middle ray is not met.
+    const double angle =
+        std::atan(cell.rays[k].slope.norm()) + kSpreadFactor * radius * pencil.dw.norm();
+    cell.reach_w =
+        std::max(cell.reach_w, angle < 0.5 * geometry::kPi ? std::tan(angle) : geometry::kInfinity);
+    cell.behind = std::max(cell.behind, radius * pencil.dx.norm());
   }
-  if (cell.kind == Kind::broken) {
-    // A single sample has no spread: derivatives say what the rays between do.
-    for (int k = 0; k < 9; ++k) {
-      Pencil pencil;
-      const Point& x = samples_[index[k]].x;
-      if (!samples_[index[k]].valid || !tracer_.trace(x, pencil)) continue;
-      // Along the surface: off it they have no bound where light leaves grazing as it came.
-      Vec3 N;
-      tracer_.first().shape->value_gradient(x, N);
-      const Mat3 along = Mat3::Identity() - N * N.transpose() / N.squaredNorm();
-      pencil.dx *= along;
-      pencil.dw *= along;
-      cell.reach_o = std::max(cell.reach_o, radius * pencil.dx.norm());
-      // Angles add up; from a right one on the plane across the middle ray is not met.
-      const double angle =
-          std::atan(cell.rays[k].slope.norm()) + kSpreadFactor * radius * pencil.dw.norm();
-      cell.reach_w = std::max(cell.reach_w,
-                              angle < 0.5 * geometry::kPi ? std::tan(angle) : geometry::kInfinity);
-      cell.behind = std::max(cell.behind, radius * pencil.dx.norm());
-    }
-  }
-  cell.reach_o *= kSpreadFactor;
-  cell.reach_w *= kSpreadFactor;
-  cell.behind *= kSpreadFactor;
 }
 
 int PathSearch::lit_from(const Point& x) const {
   Vec3 N;
   tracer_.first().shape->value_gradient(x, N);
   return N.dot(tracer_.incident(x)) < 0.0 ? 1 : -1;
-}
-
-// Is the cell large against its distance from a point light?
-bool PathSearch::near_light(const Point& middle, double radius) const {
-  const auto* point = std::get_if<PointLight>(&tracer_.light());
-  return point && radius > kLightShare * (middle - point->position).norm();
 }
 
 // Square root of a cell's solid angle from the light.
@@ -268,7 +265,7 @@ double PathSearch::apparent_size(const Point& middle, double radius) const {
 }
 
 // Some of the nine rays do not arrive: how those pass that get nearest to what the others miss.
-Between PathSearch::between_rays(const std::array<int, 9>& samples) const {
+Between PathSearch::between_rays(const Nine& samples) const {
   std::array<NearMiss, 9> rays;
   int missed = -1;
   for (int k = 0; k < 9; ++k) {
@@ -287,7 +284,7 @@ Between PathSearch::between_rays(const std::array<int, 9>& samples) const {
   return between(rays, rays[4], tracer_.surfaces()[missed].region);
 }
 
-bool PathSearch::jumps(const std::array<int, 9>& samples) const {
+bool PathSearch::jumps(const Nine& samples) const {
   const auto ray = [&](int k) -> const Pencil& { return samples_[samples[k]].ray; };
   const auto size = [&](int a, int b) {
     return (ray(a).o - ray(b).o).norm() / scale_ + (ray(a).w - ray(b).w).norm();

@@ -34,6 +34,7 @@ class PathSearch {
 
  private:
   using Vec2 = geometry::Vec2;
+  using Nine = std::array<int, 9>;  // samples of a cell, 3 × 3, s fastest
   // A ray in the frame (u, v, w) of a cell: it meets the plane w·(x − o) = τ at `at` + τ `slope`.
   struct LocalRay {
     Vec2 at = Vec2::Zero(), slope = Vec2::Zero();
@@ -69,11 +70,12 @@ class PathSearch {
   double grid_unit() const { return 1.0 / (base_ * double(std::int64_t{1} << kChartDepth)); }
   int sample(int chart, std::int64_t i, std::int64_t j);
   void make(Cell& cell);
+  void set_rays(Cell& cell, const Nine& samples) const;
+  void spread_by_derivatives(Cell& cell, const Nine& samples, double radius) const;
   int lit_from(const Point& x) const;
-  bool near_light(const Point& middle, double radius) const;
   double apparent_size(const Point& middle, double radius) const;
-  Between between_rays(const std::array<int, 9>& samples) const;
-  bool jumps(const std::array<int, 9>& samples) const;
+  Between between_rays(const Nine& samples) const;
+  bool jumps(const Nine& samples) const;
   int split(int cell);
   bool may_pass(const Cell& cell, const Point& p, double radius, Locus& locus) const;
   std::vector<int> narrowed(const std::vector<int>& cells, const Point& p, double radius) const;
