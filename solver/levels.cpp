@@ -9,6 +9,9 @@ namespace {
 
 // The contract's limit; two numbers far apart can have more between them.
 constexpr std::size_t kMaxLevels = 1000;
+// Percentiles this near to each other, as a share, are of a constant, which rounding puts on either
+// side of any level between them.
+constexpr double kConstantShare = 1e-10;
 
 // 1, 2 and 5 times powers of ten within [min, max], as the nearest doubles.
 std::vector<double> one_two_five(double min, double max) {
@@ -29,9 +32,8 @@ std::vector<double> one_two_five(double min, double max) {
 
 std::optional<double> percentile(std::vector<WeightedIrradiance> samples, double share) {
   if (samples.empty()) return std::nullopt;
-  std::sort(samples.begin(), samples.end(), [](const auto& a, const auto& b) {
-    return a.irradiance < b.irradiance;
-  });
+  std::sort(samples.begin(), samples.end(),
+            [](const auto& a, const auto& b) { return a.irradiance < b.irradiance; });
   double total = 0.0;
   for (const auto& s : samples) total += s.area;
   double sum = 0.0;
@@ -49,6 +51,7 @@ std::vector<double> resolve_levels(const LevelRequest& request,
     const auto min = request.min ? request.min : percentile(samples, 0.05);
     const auto max = request.max ? request.max : percentile(samples, 0.95);
     if (!min || !max || !(*min > 0.0) || !(*min <= *max) || !std::isfinite(*max)) return {};
+    if (!request.min && !request.max && *max - *min <= kConstantShare * *max) return {};
     using Spacing = LevelRequest::Spacing;
     if (request.spacing == Spacing::one_two_five) {
       levels = one_two_five(*min, *max);
