@@ -8,6 +8,7 @@
 
 #include "geometry/embree_scene.h"
 #include "solver/seek.h"
+#include "solver/subdivision.h"
 #include "solver/visibility.h"
 
 namespace caustic::solver {
@@ -21,14 +22,14 @@ constexpr int kLeastSide = 6;  // of a chart, in rays
 constexpr int kLeastRays = 400;
 constexpr int kApertureLevels = 30;
 constexpr std::size_t kMostPatches = 40000;
-// The corners underestimate a patch's radius on curved charts.
-constexpr double kPatchRadius = 1.3;
+// Where a light is near, patches are divided so often at most.
+constexpr int kNearLevels = 40;
 // Where none of these gets through, cells of the charts, so many a side at first, are divided for
-// what is small: at most so often, so many at once, and so often where rays miss different
+// what is small: at most so often, so many in all, and so often where rays miss different
 // surfaces.
 constexpr int kSeekCells = 12;
 constexpr int kSeekLevels = 40;
-constexpr std::size_t kSeekAtOnce = 20000;
+constexpr std::size_t kSeekPatches = 20000;
 constexpr int kMixedLevels = 3;
 // What is further outside of an aperture than this share of the scene does not exist.
 constexpr double kExistsShare = 1e-12;
@@ -39,75 +40,106 @@ double outside_by(const SystemSurface& surface, const Point& x) {
   return worst;
 }
 
-/// Calls back with points spread over the surface, whether they exist or not.
-template <class Action>
-void for_each_point(const OpticalSystem& system, const SystemSurface& surface, const Action& act) {
-  const auto charts = surface.shape->charts({surface.region, system.center(), system.diameter()});
-  const double each =
-      std::sqrt(kRays / static_cast<double>(std::max<std::size_t>(charts.size(), 1)));
-  const int n = std::max(kLeastSide, static_cast<int>(each));
-  for (const auto& chart : charts) {
-    for (int i = 0; i < n; ++i) {
-      for (int j = 0; j < n; ++j) {
-        const Point x = chart.point((i + 0.5) / n, (j + 0.5) / n);
-        if (x.allFinite() && geometry::exists_at(chart.cell, x)) act(x);
-      }
+/// A square of a chart.
+struct Patch {
+  const geometry::Chart* chart;
+  double s, t, half;
+
+  Point at(int i, int j) const { return chart->point(s + i * half, t + j * half); }
+  Point middle() const { return at(0, 0); }
+  double radius() const {
+    const Point x = middle();
+    double radius = 0.0;
+    for (const int i : {-1, 1}) {
+      for (const int j : {-1, 1}) radius = std::max(radius, (at(i, j) - x).norm());
     }
+    return radius;
+  }
+  void divide(std::vector<Patch>& into) const {
+    for (const int i : {-1, 1}) {
+      for (const int j : {-1, 1})
+        into.push_back({chart, s + 0.5 * i * half, t + 0.5 * j * half, 0.5 * half});
+    }
+  }
+};
+
+/// A surface in patches.
+class Cover {
+ public:
+  Cover(const OpticalSystem& system, int surface)
+      : system_(system),
+        surface_(system.surfaces()[surface]),
+        charts_(surface_.shape->charts({surface_.region, system.center(), system.diameter()})) {}
+
+  /// So many a side of each chart.
+  std::vector<Patch> grid(int side) const {
+    std::vector<Patch> patches;
+    for (const auto& chart : charts_) {
+      for (int k = 0; k < side * side; ++k)
+        patches.push_back({&chart, (k % side + 0.5) / side, (k / side + 0.5) / side, 0.5 / side});
+    }
+    return patches;
+  }
+  /// One for each ray.
+  std::vector<Patch> for_rays() const {
+    const auto count = static_cast<double>(std::max<std::size_t>(charts_.size(), 1));
+    return grid(std::max(kLeastSide, static_cast<int>(std::sqrt(kRays / count))));
+  }
+  /// Divides patches until what is not outside of the aperture has its share of them, if it can.
+  void divide_at_aperture(std::vector<Patch>& patches) const;
+  /// Divides patches that are large against their distance from a point light.
+  void divide_near_light(std::vector<Patch>& patches) const;
+
+  bool on_chart(const Patch& p) const {
+    const Point x = p.middle();
+    return x.allFinite() && geometry::exists_at(p.chart->cell, x);
+  }
+  bool exists(const Patch& p) const {
+    return on_chart(p) && outside_by(surface_, p.middle()) <= kExistsShare * system_.diameter();
+  }
+
+ private:
+  bool outside(const Patch& p) const {
+    const double radius = kRadiusFactor * p.radius();
+    return std::isfinite(radius) &&
+           std::any_of(surface_.bounds.begin(), surface_.bounds.end(), [&](const auto& bound) {
+             return bound.lower_bound_within(p.middle(), radius) > 0.0;
+           });
+  }
+
+  const OpticalSystem& system_;
+  const SystemSurface& surface_;
+  std::vector<geometry::Chart> charts_;
+};
+
+void Cover::divide_at_aperture(std::vector<Patch>& patches) const {
+  const auto exists_too = [&](const Patch& p) { return exists(p); };
+  for (int level = 0; level < kApertureLevels; ++level) {
+    if (std::count_if(patches.begin(), patches.end(), exists_too) >= kLeastRays) return;
+    std::vector<Patch> finer;
+    for (const Patch& p : patches) {
+      if (!outside(p)) p.divide(finer);
+    }
+    if (finer.size() > kMostPatches) return;
+    patches.swap(finer);
   }
 }
 
-/// Calls back with points spread over the part of the surface that exists, however small an
-/// aperture leaves it: where few are found, what is not outside of the aperture is divided.
-template <class Action>
-void for_each_existing_point(const OpticalSystem& system, const SystemSurface& surface,
-                             const Action& act) {
-  struct Patch {
-    const geometry::Chart* chart;
-    double s, t, half;
+void Cover::divide_near_light(std::vector<Patch>& patches) const {
+  const auto* light = std::get_if<PointLight>(&system_.light());
+  const double far = surface_.region.diagonal();
+  if (!light || !surface_.region.may_meet({light->position, Vec3::Zero()}, far)) return;
+  std::vector<Patch> near;
+  const auto is_near = [&](const Patch& p) {
+    return near_light(system_.light(), p.middle(), p.radius());
   };
-  const auto charts = surface.shape->charts({surface.region, system.center(), system.diameter()});
-  const auto middle = [](const Patch& p) { return p.chart->point(p.s, p.t); };
-  const auto outside = [&](const Patch& p) {
-    const Point x = middle(p);
-    double radius = 0.0;
-    for (const double i : {-p.half, p.half}) {
-      for (const double j : {-p.half, p.half})
-        radius = std::max(radius, (p.chart->point(p.s + i, p.t + j) - x).norm());
-    }
-    return std::isfinite(radius) &&
-           std::any_of(surface.bounds.begin(), surface.bounds.end(), [&](const auto& bound) {
-             return bound.lower_bound_within(x, kPatchRadius * radius) > 0.0;
-           });
-  };
-  const double slack = kExistsShare * system.diameter();
-  const auto exists = [&](const Patch& p) {
-    const Point x = middle(p);
-    return x.allFinite() && geometry::exists_at(p.chart->cell, x) &&
-           outside_by(surface, x) <= slack;
-  };
-  const double each =
-      std::sqrt(kRays / static_cast<double>(std::max<std::size_t>(charts.size(), 1)));
-  const int n = std::max(kLeastSide, static_cast<int>(each));
-  std::vector<Patch> patches;
-  for (const auto& chart : charts) {
-    for (int k = 0; k < n * n; ++k)
-      patches.push_back({&chart, (k % n + 0.5) / n, (k / n + 0.5) / n, 0.5 / n});
-  }
-  for (int level = 0; level < kApertureLevels; ++level) {
-    if (std::count_if(patches.begin(), patches.end(), exists) >= kLeastRays) break;
+  std::copy_if(patches.begin(), patches.end(), std::back_inserter(near), is_near);
+  for (int level = 0; level < kNearLevels && !near.empty(); ++level) {
     std::vector<Patch> finer;
-    for (const Patch& p : patches) {
-      if (outside(p)) continue;
-      const double half = 0.5 * p.half;
-      for (const double i : {-half, half}) {
-        for (const double j : {-half, half}) finer.push_back({p.chart, p.s + i, p.t + j, half});
-      }
-    }
-    if (finer.size() > kMostPatches) break;
-    patches.swap(finer);
-  }
-  for (const Patch& p : patches) {
-    if (exists(p)) act(middle(p));
+    for (const Patch& p : near) p.divide(finer);
+    patches.insert(patches.end(), finer.begin(), finer.end());
+    near.clear();
+    std::copy_if(finer.begin(), finer.end(), std::back_inserter(near), is_near);
   }
 }
 
@@ -116,44 +148,29 @@ void for_each_existing_point(const OpticalSystem& system, const SystemSurface& s
 template <class Follow, class Through>
 void seek(const OpticalSystem& system, const std::vector<int>& surfaces, const Follow& follow,
           const Through& through) {
-  const SystemSurface& surface = system.surfaces()[surfaces[0]];
   const auto region_of = [&](int hop) { return system.surfaces()[surfaces[hop]].region; };
-  struct Patch {
-    int chart;
-    double s, t, half;
-  };
-  const auto charts = surface.shape->charts({surface.region, system.center(), system.diameter()});
-  std::vector<Patch> parts;
-  constexpr double kHalf = 0.5 / kSeekCells;
-  for (int chart = 0; chart < static_cast<int>(charts.size()); ++chart) {
-    for (int k = 0; k < kSeekCells * kSeekCells; ++k) {
-      parts.push_back(
-          {chart, (2 * (k % kSeekCells) + 1) * kHalf, (2 * (k / kSeekCells) + 1) * kHalf, kHalf});
-    }
-  }
-  for (int level = 0; level < kSeekLevels && parts.size() <= kSeekAtOnce; ++level) {
-    if (through()) return;
+  const Cover cover(system, surfaces[0]);
+  std::vector<Patch> patches = cover.grid(kSeekCells);
+  std::size_t seen = 0;
+  for (int level = 0; level < kSeekLevels; ++level) {
+    seen += patches.size();
+    if (through() || seen > kSeekPatches) return;
     std::vector<Patch> finer;
-    for (const Patch& part : parts) {
-      const auto at = [&](int i, int j) {
-        return follow(charts[part.chart].point(part.s + i * part.half, part.t + j * part.half));
-      };
-      const std::array rays{at(-1, -1), at(1, -1), at(1, 1), at(-1, 1), at(0, 0)};
+    for (const Patch& p : patches) {
+      if (near_light(system.light(), p.middle(), p.radius())) {
+        p.divide(finer);
+        continue;
+      }
+      const std::array rays{follow(p.at(-1, -1)), follow(p.at(1, -1)), follow(p.at(1, 1)),
+                            follow(p.at(-1, 1)), follow(p.middle())};
       const auto farthest = std::max_element(
           rays.begin(), rays.end(), [](const auto& a, const auto& b) { return a.hop < b.hop; });
       if (farthest->hop < 0) continue;
       const Between found = between(rays, rays[4], region_of(farthest->hop));
-      const bool divide =
-          found == Between::perhaps || (found == Between::mixed && level < kMixedLevels);
-      if (!divide) continue;
-      const double half = 0.5 * part.half;
-      for (const double i : {-half, half}) {
-        for (const double j : {-half, half}) {
-          finer.push_back({part.chart, part.s + i, part.t + j, half});
-        }
-      }
+      if (found == Between::perhaps || (found == Between::mixed && level < kMixedLevels))
+        p.divide(finer);
     }
-    parts.swap(finer);
+    patches.swap(finer);
   }
 }
 
@@ -172,16 +189,20 @@ class SideFinder {
   /// The ray that meets the first surface at x from `side`; what it misses, if it does. Nothing if
   /// light comes from the other side there.
   NearMiss start(const Point& x, int side) {
+    const SystemSurface& surface = system_.surfaces()[surfaces_[0]];
     const Vec3 d = incident(system_.light(), x);
     Vec3 N;
-    system_.surfaces()[surfaces_[0]].shape->value_gradient(x, N);
+    surface.shape->value_gradient(x, N);
     miss_ = {};
-    if (side * N.dot(d) < 0.0) go(x, d, 0, side);
+    if (side * N.dot(d) < 0.0) go(x, d, 0, side, outside_by(surface, x) <= slack_);
     return miss_;
   }
+  /// Some ray has met nothing but what exists.
+  bool through() const { return through_; }
 
  private:
-  void go(const Point& x, const Vec3& direction, std::size_t hop, int side) {
+  // `exists`: all that it has met, x too.
+  void go(const Point& x, const Vec3& direction, std::size_t hop, int side, bool exists) {
     const SystemSurface& surface = system_.surfaces()[surfaces_[hop]];
     Vec3 N;
     surface.shape->value_gradient(x, N);
@@ -190,13 +211,14 @@ class SideFinder {
     sides_.push_back(side);
     if (hop + 1 == surfaces_.size()) {
       out_.insert(sides_);
+      through_ |= exists;
     } else {
-      meet({x, *on}, hop + 1);
+      meet({x, *on}, hop + 1, exists);
     }
     sides_.pop_back();
   }
 
-  void meet(const geometry::Ray& ray, std::size_t hop) {
+  void meet(const geometry::Ray& ray, std::size_t hop, bool all_exist) {
     const SystemSurface& surface = system_.surfaces()[surfaces_[hop]];
     const bool returns = surfaces_[hop] == surfaces_[hop - 1];
     const double least = returns ? least_return(ray, system_.diameter()) : 0.0;
@@ -206,19 +228,20 @@ class SideFinder {
       tau[k] = next_hit(surface, 1 - 2 * k, ray, least, nullptr);
       exists[k] = tau[k] && outside_by(surface, ray.at(*tau[k])) <= slack_;
     }
-    if (!tau[0] && !tau[1]) miss_ = {static_cast<int>(hop), ray.origin, ray.direction};
     const bool open = !exists[0] && !exists[1];
+    if (open && miss_.hop < 0) miss_ = {static_cast<int>(hop), ray.origin, ray.direction};
     for (int k = 0; k < 2; ++k) {
       if (!tau[k] || (!open && !exists[k])) continue;
       // Behind what exists nothing of the same surface is reached.
       if (exists[1 - k] && *tau[1 - k] < *tau[k]) continue;
-      go(ray.at(*tau[k]), ray.direction, hop, 1 - 2 * k);
+      go(ray.at(*tau[k]), ray.direction, hop, 1 - 2 * k, all_exist && exists[k]);
     }
   }
 
   const OpticalSystem& system_;
   const std::vector<int>& surfaces_;
   double slack_;
+  bool through_ = false;
   std::vector<int> sides_;
   NearMiss miss_;
   std::set<std::vector<int>>& out_;
@@ -328,8 +351,20 @@ std::vector<Hops> sides_of(const OpticalSystem& system, const std::vector<int>& 
   const auto follow = [&](const Point& x) {
     return out_of_time && out_of_time() ? NearMiss{} : finder.start(x, side);
   };
-  for_each_point(system, system.surfaces()[surfaces[0]], follow);
-  if (found.empty()) seek(system, surfaces, follow, [&] { return !found.empty(); });
+  const Cover cover(system, surfaces[0]);
+  const auto follow_all = [&](std::vector<Patch> patches) {
+    cover.divide_near_light(patches);
+    for (const Patch& p : patches) {
+      if (cover.on_chart(p)) follow(p.middle());
+    }
+  };
+  follow_all(cover.for_rays());
+  if (!finder.through()) {
+    auto patches = cover.for_rays();
+    cover.divide_at_aperture(patches);
+    follow_all(std::move(patches));
+  }
+  if (!finder.through()) seek(system, surfaces, follow, [&] { return finder.through(); });
   std::vector<Hops> out;
   for (const std::vector<int>& sides : found) {
     Hops hops;
@@ -343,11 +378,14 @@ std::vector<std::vector<int>> families_that_occur(const OpticalSystem& system, i
                                                   Arrival arrival, const OutOfTime& out_of_time) {
   Wanderer wanderer(system, max_bounces, arrival);
   for (int i = 0; i < static_cast<int>(system.surfaces().size()); ++i) {
-    const SystemSurface& surface = system.surfaces()[i];
-    if (!surface.optics.passes_light_on()) continue;
-    for_each_existing_point(system, surface, [&](const Point& x) {
-      if (!out_of_time || !out_of_time()) wanderer.start(i, x);
-    });
+    if (!system.surfaces()[i].optics.passes_light_on()) continue;
+    const Cover cover(system, i);
+    auto patches = cover.for_rays();
+    cover.divide_at_aperture(patches);
+    cover.divide_near_light(patches);
+    for (const Patch& p : patches) {
+      if (cover.exists(p) && (!out_of_time || !out_of_time())) wanderer.start(i, p.middle());
+    }
   }
   std::vector<std::vector<int>> out(wanderer.found.begin(), wanderer.found.end());
   std::stable_sort(out.begin(), out.end(),
@@ -357,10 +395,13 @@ std::vector<std::vector<int>> families_that_occur(const OpticalSystem& system, i
 
 std::vector<std::vector<int>> families_up_to(const OpticalSystem& system, int max_bounces,
                                              Arrival arrival, const OutOfTime& out_of_time) {
-  if (max_bounces > 1) return families_that_occur(system, max_bounces, arrival, out_of_time);
   std::vector<std::vector<int>> families;
   for (int i = 0; i < static_cast<int>(system.surfaces().size()); ++i) {
     if (system.surfaces()[i].optics.passes_light_on()) families.push_back({i});
+  }
+  if (max_bounces <= 1) return families;
+  for (auto& family : families_that_occur(system, max_bounces, arrival, out_of_time)) {
+    if (family.size() > 1) families.push_back(std::move(family));
   }
   return families;
 }

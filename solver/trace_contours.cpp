@@ -208,12 +208,23 @@ void Run::explore() {
     skip("unseen_cells", std::to_string(discarded) + " of " + std::to_string(discarded + kept) +
                              " cells of the mirrors send nothing to the receiver");
   }
+  std::size_t unlit = 0;
   for (const FamilyReport& family : result_.families) {
     if (family.flux > 0.0 || budget_.exhausted()) continue;
     const bool several = family.surfaces.size() > 1;
+    // Where more bounces are asked for surfaces by themselves are looked at without being expected.
+    if (!several && request_.families.empty() && request_.max_bounces > 1) {
+      ++unlit;
+      continue;
+    }
     warn("unlit_family", "no light was found that reaches the receiver by way of " +
                              name_of(family.id) +
                              (several ? "; from small parts of its first surface some may" : ""));
+  }
+  if (unlit > 0) {
+    skip("family", "by way of " + std::to_string(unlit) +
+                       (unlit == 1 ? " surface alone no light" : " surfaces alone no light") +
+                       " was found that reaches the receiver");
   }
 }
 
@@ -263,9 +274,12 @@ std::vector<double> Run::levels() {
   if (direct_) samples.insert(samples.end(), direct_->samples.begin(), direct_->samples.end());
   std::vector<double> levels = resolve_levels(request_.levels, samples);
   if (levels.empty()) {
+    const bool chosen = !request_.levels.min && !request_.levels.max;
     warn("no_levels", samples.empty() ? "no light on the receiver to choose levels from"
-                                      : "no level lies between the given min or max and the 5th or "
-                                        "95th percentile that takes the other's place");
+                      : chosen ? "the irradiance is constant on nine tenths of the receiver's "
+                                 "light: no level lies between its percentiles"
+                               : "no level lies between the given min or max and the 5th or "
+                                 "95th percentile that takes the other's place");
   }
   return levels;
 }

@@ -1,6 +1,7 @@
 // Families of several hops: derivatives against 50 digits, and scenes whose answer is known.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "solver/contours.h"
@@ -351,6 +352,48 @@ TEST(Families, OfSmallPartsOfLargeSurfacesOccur) {
                                       {2 * apart, 0.8 * apart}));
     EXPECT_EQ(families_up_to(system, 2), (std::vector<std::vector<int>>{{0}, {1}, {0, 1}, {1, 0}}))
         << apart;
+  }
+}
+
+// Surfaces by themselves are families whatever rays find; of several hops only what some ray takes,
+// and none where there is no time to follow any.
+TEST(Families, OfOneHopNeedNoRays) {
+  const auto mirror = [](const char* name, double z) {
+    return SystemSurface{.name = name,
+                         .shape = geometry::make_plane({0, 0, z}, {0, 0, 1}),
+                         .bounds = geometry::box_aperture({-1, -1, z - 1}, {1, 1, z + 1}),
+                         .optics = {}};
+  };
+  const auto system = OpticalSystem::build(
+      PointLight{{0, 0, 0.5}, 1.0}, {mirror("below", 0), mirror("above", 1)},
+      geometry::ReceiverFrame::make({1.5, 0, 0.5}, {0, 1, 0}, {0, 0, 1}, {4, 4}));
+  const std::vector<std::vector<int>> single{{0}, {1}};
+  EXPECT_GT(families_up_to(system, 3).size(), single.size());
+  const auto stop = [] { return true; };
+  EXPECT_EQ(families_up_to(system, 3, Arrival::in_window, stop), single);
+  EXPECT_TRUE(families_that_occur(system, 3, Arrival::anywhere, stop).empty());
+  EXPECT_TRUE(sides_of(system, {0, 1}, 1, stop).empty());
+  EXPECT_FALSE(sides_of(system, {0, 1}, 1).empty());
+}
+
+// What a dome sends back of a lamp next to its floor has left the floor from a patch as small as
+// the lamp is near.
+TEST(Families, OfWhatIsNextToTheLightOccur) {
+  for (const double near : {1e-2, 1e-4, 1e-6}) {
+    const auto surface = [](const char* name, geometry::SurfacePtr shape, double z) {
+      return SystemSurface{.name = name,
+                           .shape = std::move(shape),
+                           .bounds = geometry::box_aperture({-1, -1, z - 1.1}, {1, 1, z + 1.1}),
+                           .optics = {}};
+    };
+    const auto system = OpticalSystem::build(
+        PointLight{{0.3, 0.2, near}, 1.0},
+        {surface("floor", geometry::make_plane({0, 0, 0}, {0, 0, 1}), 0),
+         surface("dome", geometry::make_sphere({0.3, 0.2, 0}, 0.5), 0)},
+        geometry::ReceiverFrame::make({0.3, 0.2, 0.2}, {1, 0, 0}, {0, 1, 0}, {0.2, 0.2}));
+    const auto found = families_up_to(system, 2);
+    EXPECT_NE(std::find(found.begin(), found.end(), std::vector<int>{0, 1}), found.end()) << near;
+    EXPECT_FALSE(sides_of(system, {0, 1}, 1).empty()) << near;
   }
 }
 
