@@ -9,6 +9,8 @@ namespace {
 
 constexpr int kApproaches = 40;  // projections until inside
 constexpr int kClimbs = 40;      // steps of a climb, halved where they do not help
+constexpr int kNewtonSteps = 5;  // back to the surface, until one is this share of its place
+constexpr double kOnSurfaceShare = 1e-9;
 // A climb is at its top when its steps are this share of the margin found.
 constexpr double kTopShare = 0.1;
 // From the top so many directions are looked along, so many times as far as is known to exist.
@@ -31,14 +33,16 @@ Vec3 away(const std::vector<Bound>& bounds, const Point& x, double worst, double
   return length > 1e-6 ? Vec3(sum / length) : Vec3::Zero();
 }
 
-// Newton's method back to the surface; two steps are enough for a climb.
+// Newton's method back to the surface; near it two steps are enough. Off it margins are not those of
+// what exists.
 Point towards_surface(const Surface& surface, Point x) {
   Vec3 gradient;
-  for (int i = 0; i < 2; ++i) {
+  for (int i = 0; i < kNewtonSteps; ++i) {
     const double g = surface.value_gradient(x, gradient);
-    const Point back = x - gradient * (g / gradient.squaredNorm());
-    if (!back.allFinite()) break;
-    x = back;
+    const Vec3 step = gradient * (g / gradient.squaredNorm());
+    if (!step.allFinite()) break;
+    x -= step;
+    if (step.squaredNorm() <= kOnSurfaceShare * kOnSurfaceShare * x.squaredNorm()) break;
   }
   return x;
 }
