@@ -5,13 +5,12 @@
 #include <cmath>
 #include <cstdint>
 #include <deque>
-#include <map>
 #include <memory_resource>
 #include <optional>
 #include <unordered_map>
 
 #include "geometry/opening.h"
-#include "geometry/root_finding.h"
+#include "solver/cell_clipper.h"
 #include "solver/chart_place.h"
 #include "solver/subdivision.h"
 
@@ -42,10 +41,6 @@ constexpr double kImageVariation = 0.1;
 // the difference between the middle and the mean of the corners.
 constexpr double kOvershoot = 0.1;
 constexpr double kBulge = 2.0;
-// Halvings of an edge until the last place with a path is known.
-constexpr int kPathEndHalvings = 24;
-// Corners on the domain's boundary are as near to it as this share of the edge they cut.
-constexpr double kClipShare = 1e-4;
 // Half the radius of a cell that the aperture cuts is at most the radius of what that leaves.
 constexpr double kOpeningShare = 0.5;
 // After so many cells nothing is refined further than this: a scene that needs more is degenerate.
@@ -53,8 +48,6 @@ constexpr std::size_t kDeepCells = 20000;
 constexpr int kLateDepth = 4;
 
 constexpr std::int64_t kFinest = std::int64_t{1} << kChartDepth;
-// The bounds of a chart's cell are numbered from here downwards, next to the domain's boundaries.
-constexpr int kFirstOfCell = -3;
 
 struct Span {
   double lo = geometry::kInfinity, hi = -geometry::kInfinity;
@@ -129,13 +122,6 @@ class Explorer {
   Between between_rays(const View& view) const;
   Verdict judge_at_path_ends(View& view);
   bool wide_on_later(const View& view) const;
-  Corner path_end(int chart, const Corner& a, const Corner& b);
-  std::vector<Corner> clip_path_ends(int chart, const std::vector<Corner>& polygon);
-  const geometry::Bound* bound(int boundary, int chart) const;
-  double height(int boundary, int chart, const FieldPoint& f) const;
-  Corner crossing(int boundary, int chart, const Corner& a, const Corner& b);
-  void clip_at(int boundary, int chart, std::vector<Corner>& polygon);
-  std::vector<Corner> clip(int chart, std::vector<Corner> polygon);
   bool hides(int sample);
   std::optional<double> hidden_share(const View& view);
   double hidden_share(int chart, const std::vector<Corner>& polygon);
@@ -157,7 +143,7 @@ class Explorer {
   std::pmr::monotonic_buffer_resource memory_;
   std::pmr::unordered_map<ChartPlace, int, ChartPlaceHash> known_{&memory_};
   std::pmr::unordered_map<int, bool> hidden_known_{&memory_};
-  std::pmr::map<std::array<int, 3>, Corner> crossings_{&memory_};  // by both samples and boundary
+  CellClipper clip_{result_, evaluate_, domain_};
 };
 
 // Outside the aperture or the chart's cell for sure?
@@ -401,109 +387,6 @@ bool Explorer::wide_on_later(const View& view) const {
   return false;
 }
 
-// The last place on the way from a to b, where no path arrives, that a path comes from.
-Corner Explorer::path_end(int chart, const Corner& a, const Corner& b) {
-  Vec2 inside(a.s, a.t), outside(b.s, b.t);
-  Corner last = a;
-  for (int i = 0; i < kPathEndHalvings; ++i) {
-    const Vec2 middle = 0.5 * (inside + outside);
-    const FieldPoint f = evaluate_(result_.charts[chart].point(middle.x(), middle.y()));
-    (f.finite ? inside : outside) = middle;
-  }
-  if (inside != Vec2(a.s, a.t)) {
-    last = {inside.x(), inside.y(), add_sample(result_, evaluate_, chart, inside.x(), inside.y())};
-  }
-  return last;
-}
-
-// The part of a polygon that paths come from.
-std::vector<Corner> Explorer::clip_path_ends(int chart, const std::vector<Corner>& polygon) {
-  const auto finite = [&](const Corner& corner) { return result_.samples[corner.sample].finite; };
-  if (std::all_of(polygon.begin(), polygon.end(), finite)) return polygon;
-  std::vector<Corner> kept;
-  for (std::size_t k = 0; k < polygon.size(); ++k) {
-    const Corner a = polygon[k], b = polygon[(k + 1) % polygon.size()];
-    if (finite(a)) kept.push_back(a);
-    if (finite(a) == finite(b)) continue;
-    kept.push_back(finite(a) ? path_end(chart, a, b) : path_end(chart, b, a));
-    kept.back().boundary = finite(a) ? kPathEnds : -1;
-  }
-  return kept;
-}
-
-// A boundary of the domain, or of the chart's cell from kFirstOfCell downwards.
-const geometry::Bound* Explorer::bound(int boundary, int chart) const {
-  return boundary < 0 ? &result_.charts[chart].cell[kFirstOfCell - boundary]
-                      : domain_.bound(boundary);
-}
-
-double Explorer::height(int boundary, int chart, const FieldPoint& f) const {
-  const geometry::Bound* b = bound(boundary, chart);
-  return b ? b->value(f.x) : domain_.value(boundary, f);
-}
-
-// Where the edge between two corners crosses a boundary; once for both of its cells.
-Corner Explorer::crossing(int boundary, int chart, const Corner& a, const Corner& b) {
-  const auto h = [&](const FieldPoint& f) { return height(boundary, chart, f); };
-  const auto place = [&](double w) { return Vec2(a.s + w * (b.s - a.s), a.t + w * (b.t - a.t)); };
-  const auto [lo, hi] = std::minmax(a.sample, b.sample);
-  const auto [known, fresh] = crossings_.try_emplace(std::array{lo, hi, boundary}, Corner{});
-  if (!fresh) return known->second;
-  const geometry::Bound* of_place = bound(boundary, chart);
-  const auto value = [&](double w) {
-    const Vec2 at = place(w);
-    const Point x = result_.charts[chart].point(at.x(), at.y());
-    if (of_place) return of_place->value(x);
-    const FieldPoint f = evaluate_(x);
-    return f.finite ? h(f) : 0.0;
-  };
-  const double ha = h(result_.samples[a.sample]), hb = h(result_.samples[b.sample]);
-  double w = ha == 0.0 ? 0.0 : hb == 0.0 ? 1.0 : 0.5;
-  if (ha != 0.0 && hb != 0.0) {
-    const double small = kClipShare * (std::abs(ha) + std::abs(hb));
-    w = geometry::illinois_root(
-        value, [&](double, double v) { return std::abs(v) <= small; }, 0.0, 1.0, ha, hb);
-  }
-  const Vec2 at = place(w);
-  known->second = {at.x(), at.y(), add_sample(result_, evaluate_, chart, at.x(), at.y())};
-  return known->second;
-}
-
-// The part of a polygon inside one boundary; new corners lie on it.
-void Explorer::clip_at(int boundary, int chart, std::vector<Corner>& polygon) {
-  const auto h = [&](const Corner& corner) {
-    return height(boundary, chart, result_.samples[corner.sample]);
-  };
-  const auto inside = [&](const Corner& corner) { return h(corner) <= 0.0; };
-  if (std::all_of(polygon.begin(), polygon.end(), inside)) return;
-  std::vector<Corner> kept;
-  for (std::size_t k = 0; k < polygon.size(); ++k) {
-    const Corner a = polygon[k], b = polygon[(k + 1) % polygon.size()];
-    const bool a_inside = inside(a), b_inside = inside(b);
-    if (a_inside) kept.push_back(a);
-    if (a_inside == b_inside) continue;
-    const Corner cut = crossing(boundary, chart, a, b);
-    // Where paths end on the way there is no such place.
-    const double across = std::abs(h(a)) + std::abs(h(b));
-    if (!result_.samples[cut.sample].finite || std::abs(h(cut)) > 0.1 * across) continue;
-    kept.push_back(cut);
-    // On the way out the polygon goes on along the boundary, on the way in along the old edge.
-    kept.back().boundary = !a_inside ? a.boundary : boundary < 0 ? -1 : boundary;
-  }
-  polygon.swap(kept);
-}
-
-// The part of a polygon inside the chart's cell and the domain.
-std::vector<Corner> Explorer::clip(int chart, std::vector<Corner> polygon) {
-  polygon = clip_path_ends(chart, polygon);
-  const int cell_bounds = static_cast<int>(result_.charts[chart].cell.size());
-  for (int k = 0; k < cell_bounds; ++k) clip_at(kFirstOfCell - k, chart, polygon);
-  for (int boundary = 0; boundary < domain_.size() && !polygon.empty(); ++boundary) {
-    clip_at(boundary, chart, polygon);
-  }
-  return polygon.size() < 3 ? std::vector<Corner>{} : polygon;
-}
-
 void Explorer::keep(const Square& c, const View& view) {
   std::vector<Corner> polygon;
   const int di[4] = {0, 1, 1, 0}, dj[4] = {0, 0, 1, 1};
@@ -516,7 +399,7 @@ void Explorer::keep(const Square& c, const View& view) {
     const FieldPoint& f = result_.samples[corner.sample];
     return domain_.contains(f) && geometry::exists_at(cell, f.x);
   });
-  if (!whole) polygon = clip(c.chart, std::move(polygon));
+  if (!whole) polygon = clip_(c.chart, std::move(polygon));
   if (polygon.empty()) return;
   const auto share = hidden_share(view);
   const double hidden = share ? *share : hidden_share(c.chart, polygon);
