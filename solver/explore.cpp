@@ -45,6 +45,8 @@ constexpr double kBulge = 2.0;
 constexpr double kOpeningShare = 0.5;
 // After so many cells nothing is refined further than this: a scene that needs more is degenerate.
 constexpr std::size_t kDeepCells = 20000;
+// Next to a light there are as many at every distance from it, which count by themselves.
+constexpr std::size_t kDeepCellsNear = 60000;
 constexpr int kLateDepth = 4;
 
 constexpr std::int64_t kFinest = std::int64_t{1} << kChartDepth;
@@ -101,7 +103,8 @@ class Explorer {
     int approached = 0;  // levels of the depth for which a light is near
   };
   // Cells that are divided to seek something small do not count as finer: that begins when it is
-  // found. For what varies or ends those that are divided since a light is near do not either.
+  // found. Those that are divided since a light is near do not either, for what varies, and for
+  // where paths pass if none has been found to.
   enum class Verdict { discard, refine, approach, seek, keep };
   struct View {  // corners in order, then the middle
     std::array<int, 5> samples;
@@ -129,6 +132,10 @@ class Explorer {
     return static_cast<double>(i) / (base_ * double(kFinest));
   }
 
+  bool late(const Square& c) const {
+    return c.approached > 0 ? seen_near_ >= kDeepCellsNear : seen_ - seen_near_ >= kDeepCells;
+  }
+
   Evaluator& evaluate_;
   const Domain& domain_;
   const OpticalSystem& system_;
@@ -138,7 +145,7 @@ class Explorer {
   double window_;
   double opening_ = geometry::kInfinity;  // radius of what the aperture leaves, m
   int base_ = kBaseOfOne;
-  std::size_t seen_ = 0;
+  std::size_t seen_ = 0, seen_near_ = 0;
   Exploration result_;
   std::pmr::monotonic_buffer_resource memory_;
   std::pmr::unordered_map<ChartPlace, int, ChartPlaceHash> known_{&memory_};
@@ -253,7 +260,7 @@ bool Explorer::varies(const View& view) const {
 }
 
 Explorer::Verdict Explorer::judge(const Square& c, View& view) {
-  const int deepest = seen_ < kDeepCells ? kImageDepth : kLateDepth;
+  const int deepest = late(c) ? kLateDepth : kImageDepth;
   const Point& middle = view(result_, 4).x;
   if (outside(c.chart, middle, view.radius)) return Verdict::discard;
   for (const auto& bound : map_.mirror().bounds) view.cut |= bound.value(middle) > -view.radius;
@@ -261,7 +268,7 @@ Explorer::Verdict Explorer::judge(const Square& c, View& view) {
     return Verdict::refine;
   }
   if (near_light(system_.light(), middle, view.radius)) {
-    if (c.depth < (seen_ < kDeepCells ? kSourceDepth : kLateDepth)) return Verdict::approach;
+    if (c.depth < (late(c) ? kLateDepth : kSourceDepth)) return Verdict::approach;
     ++result_.unresolved;
     return Verdict::discard;
   }
@@ -271,10 +278,10 @@ Explorer::Verdict Explorer::judge(const Square& c, View& view) {
   for (int k = 0; k < 5; ++k) finite += view(result_, k).finite;
   if (finite < 5) {
     if (depth < kMissDepth) return Verdict::refine;
-    const Between rays = seen_ < kDeepCells ? between_rays(view) : Between::dense;
+    const Between rays = late(c) ? Between::dense : between_rays(view);
     if (rays == Between::perhaps) return Verdict::seek;
     if (finite == 0 && rays != Between::mixed) return Verdict::discard;
-    if (depth < kPathEndDepth) return Verdict::refine;
+    if ((finite == 0 ? depth : c.depth) < kPathEndDepth) return Verdict::refine;
     if (finite == 0) return Verdict::discard;
     if (map_.paths_may_end()) return judge_at_path_ends(view);
     ++result_.unresolved;
@@ -308,7 +315,7 @@ Explorer::Verdict Explorer::judge(const Square& c, View& view) {
   }
   if (unseen && !unseen_too_) return Verdict::discard;
   if (facing.lo < 0.0 && facing.hi > 0.0) {
-    if (depth < kPoleDepth) return Verdict::refine;
+    if (c.depth < kPoleDepth) return Verdict::refine;
     result_.unresolved += !unseen;
     return Verdict::discard;
   }
@@ -433,6 +440,7 @@ Exploration Explorer::run() {
     const Square c = queue.front();
     queue.pop_front();
     ++seen_;
+    seen_near_ += c.approached > 0;
     View view = look(c);
     const Verdict verdict = judge(c, view);
     const std::int64_t half = c.size / 2;

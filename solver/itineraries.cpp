@@ -86,7 +86,8 @@ class Cover {
     return grid(std::max(kLeastSide, static_cast<int>(std::sqrt(kRays / count))));
   }
   /// Divides patches until what is not outside of the aperture has its share of them, if it can.
-  void divide_at_aperture(std::vector<Patch>& patches) const;
+  /// False if it has.
+  bool divide_at_aperture(std::vector<Patch>& patches) const;
   /// Divides patches that are large against their distance from a point light.
   void divide_near_light(std::vector<Patch>& patches) const;
 
@@ -112,17 +113,18 @@ class Cover {
   std::vector<geometry::Chart> charts_;
 };
 
-void Cover::divide_at_aperture(std::vector<Patch>& patches) const {
+bool Cover::divide_at_aperture(std::vector<Patch>& patches) const {
   const auto exists_too = [&](const Patch& p) { return exists(p); };
   for (int level = 0; level < kApertureLevels; ++level) {
-    if (std::count_if(patches.begin(), patches.end(), exists_too) >= kLeastRays) return;
+    if (std::count_if(patches.begin(), patches.end(), exists_too) >= kLeastRays) return level > 0;
     std::vector<Patch> finer;
     for (const Patch& p : patches) {
       if (!outside(p)) p.divide(finer);
     }
-    if (finer.size() > kMostPatches) return;
+    if (finer.size() > kMostPatches) return level > 0;
     patches.swap(finer);
   }
+  return true;
 }
 
 void Cover::divide_near_light(std::vector<Patch>& patches) const {
@@ -359,11 +361,8 @@ std::vector<Hops> sides_of(const OpticalSystem& system, const std::vector<int>& 
     }
   };
   follow_all(cover.for_rays());
-  if (!finder.through()) {
-    auto patches = cover.for_rays();
-    cover.divide_at_aperture(patches);
+  if (auto patches = cover.for_rays(); !finder.through() && cover.divide_at_aperture(patches))
     follow_all(std::move(patches));
-  }
   if (!finder.through()) seek(system, surfaces, follow, [&] { return finder.through(); });
   std::vector<Hops> out;
   for (const std::vector<int>& sides : found) {

@@ -182,6 +182,8 @@ void Run::explore() {
     embree_ = std::make_unique<geometry::EmbreeScene>(boxes, margin);
   }
   std::size_t discarded = 0, kept = 0, hidden = 0;
+  std::vector<std::size_t> unresolved(families.size());
+  std::vector<bool> seen(families.size());
   for (const PlannedPiece& piece : plan.pieces) {
     fields_.push_back(std::make_unique<FamilyField>(system_, piece, embree_.get(), margin));
     FamilyField& field = *fields_.back();
@@ -189,6 +191,8 @@ void Run::explore() {
     discarded += field.exploration.discarded;
     kept += field.exploration.cells.size();
     result_.families[piece.family].flux += field.flux;
+    unresolved[piece.family] += field.exploration.unresolved;
+    if (!field.empty()) seen[piece.family] = true;
     // What exploration gave up a proof decides, or gives up itself.
     if (!request_.certify) result_.undecided_cells += field.exploration.unresolved;
     hidden += field.hidden_whole && !field.piece.needless.hidden_family;
@@ -212,6 +216,17 @@ void Run::explore() {
   for (const FamilyReport& family : result_.families) {
     if (family.flux > 0.0 || budget_.exhausted()) continue;
     const bool several = family.surfaces.size() > 1;
+    if (const std::size_t cells = unresolved[family.id]) {
+      warn("unresolved", "in " + std::to_string(cells) + (cells == 1 ? " cell" : " cells") +
+                             " of the first surface light by way of " + name_of(family.id) +
+                             " was neither found nor shown to be none");
+    }
+    if (seen[family.id]) {
+      warn("unresolved", "light by way of " + name_of(family.id) +
+                             " was only found in gaps between samples, which count as dark in its "
+                             "flux and in the choice of levels");
+      continue;
+    }
     // Where more bounces are asked for surfaces by themselves are looked at without being expected.
     if (!several && request_.families.empty() && request_.max_bounces > 1) {
       ++unlit;
