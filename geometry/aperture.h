@@ -54,7 +54,7 @@ Bound ball(const Point& center, double radius, Bound::Origin origin);
 bool exists_at(const std::vector<Bound>& bounds, const Point& x, double slack = 0.0);
 
 /// World box outside of which the bounds admit nothing, infinite where they do not say. Of
-/// half-spaces and balls the smallest, however they are turned; of expressions nothing. (S84)
+/// half-spaces and balls the smallest, however they are turned; of expressions nothing. (S90)
 Box box_of(const std::vector<Bound>& bounds);
 
 /// The bounded box without what expressions among the bounds exclude at its sides.

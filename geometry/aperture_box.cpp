@@ -1,5 +1,5 @@
 // Boxes about what apertures admit, from any side: linear programs in three dimensions. NOTATION.md
-// (S84).
+// (S90).
 #include <algorithm>
 #include <array>
 #include <cmath>

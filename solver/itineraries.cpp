@@ -22,8 +22,10 @@ constexpr int kLeastSide = 6;  // of a chart, in rays
 constexpr int kLeastRays = 400;
 constexpr int kApertureLevels = 30;
 constexpr std::size_t kMostPatches = 40000;
-// Where a light is near, patches are divided so often at most.
+// Where a light is near, patches are divided so often at most; more at once are near it only about
+// a singular point of a chart.
 constexpr int kNearLevels = 40;
+constexpr std::size_t kNearAtOnce = 1000;
 // Where none of these gets through, cells of the charts, so many a side at first, are divided for
 // what is small: at most so often, so many in all, and so often where rays miss different
 // surfaces.
@@ -136,7 +138,7 @@ void Cover::divide_near_light(std::vector<Patch>& patches) const {
     return near_light(system_.light(), p.middle(), p.radius());
   };
   std::copy_if(patches.begin(), patches.end(), std::back_inserter(near), is_near);
-  for (int level = 0; level < kNearLevels && !near.empty(); ++level) {
+  for (int level = 0; level < kNearLevels && !near.empty() && near.size() <= kNearAtOnce; ++level) {
     std::vector<Patch> finer;
     for (const Patch& p : near) p.divide(finer);
     patches.insert(patches.end(), finer.begin(), finer.end());
