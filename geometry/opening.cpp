@@ -16,6 +16,8 @@ constexpr double kTopShare = 0.1;
 // From the top so many directions are looked along, so many times as far as is known to exist.
 constexpr int kDirections = 8;
 constexpr double kFarther = 4.0;
+// Only if the margin is less than this share of enough: else it is near enough.
+constexpr double kSliverShare = 1e-2;
 
 double largest(const std::vector<Bound>& bounds, const Point& x) {
   double h = -kInfinity;
@@ -33,8 +35,8 @@ Vec3 away(const std::vector<Bound>& bounds, const Point& x, double worst, double
   return length > 1e-6 ? Vec3(sum / length) : Vec3::Zero();
 }
 
-// Newton's method back to the surface; near it two steps are enough. Off it margins are not those of
-// what exists.
+// Newton's method back to the surface; near it two steps are enough. Off it margins are not those
+// of what exists.
 Point towards_surface(const Surface& surface, Point x) {
   Vec3 gradient;
   for (int i = 0; i < kNewtonSteps; ++i) {
@@ -106,7 +108,7 @@ double opening_radius(const Surface& surface, const std::vector<Bound>& bounds,
     top = x;
     if (best >= enough) return enough;
   }
-  return room_about(surface, bounds, top, best, enough);
+  return best < kSliverShare * enough ? room_about(surface, bounds, top, best, enough) : best;
 }
 
 }  // namespace caustic::geometry

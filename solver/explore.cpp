@@ -281,7 +281,7 @@ Explorer::Verdict Explorer::judge(const Square& c, View& view) {
     const Between rays = late(c) ? Between::dense : between_rays(view);
     if (rays == Between::perhaps) return Verdict::seek;
     if (finite == 0 && rays != Between::mixed) return Verdict::discard;
-    if ((finite == 0 ? depth : c.depth) < kPathEndDepth) return Verdict::refine;
+    if (c.depth < kPathEndDepth) return Verdict::refine;
     if (finite == 0) return Verdict::discard;
     if (map_.paths_may_end()) return judge_at_path_ends(view);
     ++result_.unresolved;
