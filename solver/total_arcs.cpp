@@ -152,11 +152,11 @@ std::optional<ArcNode> ArcTracer::Impl::advance(const ArcNode& from) {
   return std::nullopt;
 }
 
-// Where Newton's next step leads from a place that is kept as it is.
+// Where Newton's next step leads from a place that is kept as it is, if rounding lets it say so.
 CurvePlace ArcTracer::Impl::place(const ArcNode& a) const {
   const Total total = total_of(a.at.branches);
-  const Vec2 q =
-      a.at.q + ((options_.level - total.E) / total.gradient.squaredNorm()) * total.gradient;
+  const Vec2 step = ((options_.level - total.E) / total.gradient.squaredNorm()) * total.gradient;
+  const Vec2 q = step.norm() <= kPlaceShare * width_ ? Vec2(a.at.q + step) : a.at.q;
   return {Point(q.x(), q.y(), 0.0), Vec3(a.t.x(), a.t.y(), 0.0)};
 }
 

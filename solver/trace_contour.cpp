@@ -159,10 +159,11 @@ std::optional<Node> Tracer::advance(const Node& from) {
   return std::nullopt;
 }
 
-// Where Newton's next step leads from a place that is kept as it is.
+// Where Newton's next step leads from a place that is kept as it is, if rounding lets it say so.
 CurvePlace Tracer::place(const Node& a) const {
   const Vec3 slope = level_.gradient(a.f);
-  return {a.f.x - (level_.value(a.f) / slope.squaredNorm()) * slope, a.t};
+  const Vec3 step = -(level_.value(a.f) / slope.squaredNorm()) * slope;
+  return {step.norm() <= kPositionShare * step_ ? Point(a.f.x + step) : a.f.x, a.t};
 }
 
 // The curve's point at arc s of the current step, between two of its nodes.
