@@ -68,9 +68,10 @@ struct Patch {
 /// A surface in patches.
 class Cover {
  public:
-  Cover(const OpticalSystem& system, int surface)
+  Cover(const OpticalSystem& system, int surface, const OutOfTime& out_of_time)
       : system_(system),
         surface_(system.surfaces()[surface]),
+        out_of_time_(out_of_time),
         charts_(surface_.shape->charts({surface_.region, system.center(), system.diameter()})) {}
 
   /// So many a side of each chart.
@@ -93,6 +94,7 @@ class Cover {
   /// Divides patches that are large against their distance from a point light.
   void divide_near_light(std::vector<Patch>& patches) const;
 
+  bool out_of_time() const { return out_of_time_ && out_of_time_(); }
   bool on_chart(const Patch& p) const {
     const Point x = p.middle();
     return x.allFinite() && geometry::exists_at(p.chart->cell, x);
@@ -112,12 +114,13 @@ class Cover {
 
   const OpticalSystem& system_;
   const SystemSurface& surface_;
+  const OutOfTime& out_of_time_;
   std::vector<geometry::Chart> charts_;
 };
 
 bool Cover::divide_at_aperture(std::vector<Patch>& patches) const {
   const auto exists_too = [&](const Patch& p) { return exists(p); };
-  for (int level = 0; level < kApertureLevels; ++level) {
+  for (int level = 0; level < kApertureLevels && !out_of_time(); ++level) {
     if (std::count_if(patches.begin(), patches.end(), exists_too) >= kLeastRays) return level > 0;
     std::vector<Patch> finer;
     for (const Patch& p : patches) {
@@ -134,26 +137,28 @@ void Cover::divide_near_light(std::vector<Patch>& patches) const {
   const double far = surface_.region.diagonal();
   if (!light || !surface_.region.may_meet({light->position, Vec3::Zero()}, far)) return;
   std::vector<Patch> near;
-  const auto is_near = [&](const Patch& p) {
-    return near_light(system_.light(), p.middle(), p.radius());
+  const auto keep_near = [&](const std::vector<Patch>& all) {
+    near.clear();
+    for (const Patch& p : all) {
+      if (out_of_time()) return;
+      if (near_light(system_.light(), p.middle(), p.radius())) near.push_back(p);
+    }
   };
-  std::copy_if(patches.begin(), patches.end(), std::back_inserter(near), is_near);
+  keep_near(patches);
   for (int level = 0; level < kNearLevels && !near.empty() && near.size() <= kNearAtOnce; ++level) {
     std::vector<Patch> finer;
     for (const Patch& p : near) p.divide(finer);
     patches.insert(patches.end(), finer.begin(), finer.end());
-    near.clear();
-    std::copy_if(finer.begin(), finer.end(), std::back_inserter(near), is_near);
+    keep_near(finer);
   }
 }
 
 /// Aims rays at what lies between those that pass by, until one is `through`. `follow` follows the
 /// ray from a point, and says what it misses.
 template <class Follow, class Through>
-void seek(const OpticalSystem& system, const std::vector<int>& surfaces, const Follow& follow,
-          const Through& through) {
+void seek(const OpticalSystem& system, const std::vector<int>& surfaces, const Cover& cover,
+          const Follow& follow, const Through& through) {
   const auto region_of = [&](int hop) { return system.surfaces()[surfaces[hop]].region; };
-  const Cover cover(system, surfaces[0]);
   std::vector<Patch> patches = cover.grid(kSeekCells);
   std::size_t seen = 0;
   for (int level = 0; level < kSeekLevels; ++level) {
@@ -161,6 +166,7 @@ void seek(const OpticalSystem& system, const std::vector<int>& surfaces, const F
     if (through() || seen > kSeekPatches) return;
     std::vector<Patch> finer;
     for (const Patch& p : patches) {
+      if (cover.out_of_time()) return;
       if (near_light(system.light(), p.middle(), p.radius())) {
         p.divide(finer);
         continue;
@@ -352,20 +358,19 @@ std::vector<Hops> sides_of(const OpticalSystem& system, const std::vector<int>& 
                            const OutOfTime& out_of_time) {
   std::set<std::vector<int>> found;
   SideFinder finder(system, surfaces, found);
-  const auto follow = [&](const Point& x) {
-    return out_of_time && out_of_time() ? NearMiss{} : finder.start(x, side);
-  };
-  const Cover cover(system, surfaces[0]);
+  const Cover cover(system, surfaces[0], out_of_time);
+  const auto follow = [&](const Point& x) { return finder.start(x, side); };
   const auto follow_all = [&](std::vector<Patch> patches) {
     cover.divide_near_light(patches);
     for (const Patch& p : patches) {
+      if (cover.out_of_time()) return;
       if (cover.on_chart(p)) follow(p.middle());
     }
   };
   follow_all(cover.for_rays());
   if (auto patches = cover.for_rays(); !finder.through() && cover.divide_at_aperture(patches))
     follow_all(std::move(patches));
-  if (!finder.through()) seek(system, surfaces, follow, [&] { return finder.through(); });
+  if (!finder.through()) seek(system, surfaces, cover, follow, [&] { return finder.through(); });
   std::vector<Hops> out;
   for (const std::vector<int>& sides : found) {
     Hops hops;
@@ -380,12 +385,13 @@ std::vector<std::vector<int>> families_that_occur(const OpticalSystem& system, i
   Wanderer wanderer(system, max_bounces, arrival);
   for (int i = 0; i < static_cast<int>(system.surfaces().size()); ++i) {
     if (!system.surfaces()[i].optics.passes_light_on()) continue;
-    const Cover cover(system, i);
+    const Cover cover(system, i, out_of_time);
     auto patches = cover.for_rays();
     cover.divide_at_aperture(patches);
     cover.divide_near_light(patches);
     for (const Patch& p : patches) {
-      if (cover.exists(p) && (!out_of_time || !out_of_time())) wanderer.start(i, p.middle());
+      if (cover.out_of_time()) break;
+      if (cover.exists(p)) wanderer.start(i, p.middle());
     }
   }
   std::vector<std::vector<int>> out(wanderer.found.begin(), wanderer.found.end());
