@@ -15,6 +15,9 @@ constexpr double kSpeckShare = 1e-2;
 // Shares of the seed's cell: first step, and how near to the curve the corrector brings the seed.
 constexpr double kFirstStepShare = 0.25;
 constexpr double kSeedPosition = 1e-9;
+// Vertices of a track may be this share of a cell off their curve, where E hardly varies. Another
+// curve of the level that runs the same way is not so near: one that runs back lies between.
+constexpr double kTrackPosition = 1e-6;
 // A seed this near to its curve by Newton's step, as a share of its cell, is off by this share of
 // the step at most; and this is the least cosine between tangents of one curve there.
 constexpr double kNewtonShare = 0.2;
@@ -188,8 +191,7 @@ void run(ContourTask& task, Budget& budget, double chord, double residual) {
       ++task.lost_seeds;
       continue;
     }
-    // The corrector leaves points no further off the curve than this.
-    const double fuzz = 4.0 * kSeedPosition * seed.reach + 1e3 * evaluate.map().rounding(f->x);
+    const double fuzz = kTrackPosition * seed.reach + 1e3 * evaluate.map().rounding(f->x);
     if (visited(tracks, *f, fuzz, evaluate, task.level)) continue;
     const TraceOptions options{chord, residual, kFirstStepShare * seed.reach};
     Trace trace = trace_contour(evaluate, domain, task.level, *f, options);

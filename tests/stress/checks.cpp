@@ -18,7 +18,8 @@ const std::vector<NamedCheck>& checks() {
       {"meter", check_meter, 1, true},        {"inside", check_inside, 1, true},
       {"rays", check_rays, 2, true},          {"moved", check_moved, 4, true},
       {"scaled", check_scaled, 4, true},      {"mirrored", check_mirrored, 4, true},
-      {"permuted", check_permuted, 4, true},  {"analysis", check_analysis, 5, true}};
+      {"permuted", check_permuted, 4, true},  {"analysis", check_analysis, 5, true},
+      {"once", check_once, 1, false}};
   return table;
 }
 

@@ -38,6 +38,7 @@ Finding check_time(const Subject&);       ///< the request's own limit was kept
 Finding check_vertices(const Subject&);   ///< q, E, parity and reflector point in 50 digits
 Finding check_gradients(const Subject&);  ///< ∇E against differences in 50 digits
 Finding check_chords(const Subject&);     ///< the true curve runs along the polyline
+Finding check_once(const Subject&);       ///< no curve of a sheet lies on another
 Finding check_seen(const Subject&);       ///< nothing is in the way inside of a curve
 Finding check_ends(const Subject&);       ///< stepping past an end meets what it is named after
 Finding check_rings(const Subject&);      ///< arcs of a total close head to tail

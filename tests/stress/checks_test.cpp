@@ -121,6 +121,17 @@ TEST_F(PlantedFault, InTheNameOfAnEnd) {
   }
 }
 
+TEST_F(PlantedFault, TwiceTheSameCurve) {
+  expect_found_after(check_once,
+                     [](Trial& t) { t.result.curves.push_back(first(t, CurveKind::isolux)); });
+  expect_found_after(check_once, [](Trial& t) {  // a part of it, the other way
+    solver::Curve part = first(t, CurveKind::isolux);
+    part.vertices.resize(part.vertices.size() / 2);
+    std::reverse(part.vertices.begin(), part.vertices.end());
+    t.result.curves.push_back(part);
+  });
+}
+
 TEST_F(PlantedFault, BehindABlocker) {
   EXPECT_FALSE(found(check_seen));
   json scene = trial_.request["scene"];

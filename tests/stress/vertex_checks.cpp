@@ -114,7 +114,42 @@ std::optional<Vec2> true_place(const Subject& s, const Curve& c, const CurveVert
   return std::nullopt;
 }
 
+/// Is each vertex of b's next to a segment of a's, on the reflector too?
+bool lies_on(const Curve& b, const Curve& a, double near) {
+  const std::size_t n = a.vertices.size(), segments = a.closed ? n : n - 1;
+  return std::all_of(b.vertices.begin(), b.vertices.end(), [&](const CurveVertex& v) {
+    for (std::size_t i = 0; i < segments; ++i) {
+      const CurveVertex &from = a.vertices[i], &to = a.vertices[(i + 1) % n];
+      const Vec2 chord = to.uv - from.uv;
+      const double length2 = chord.squaredNorm();
+      const double w =
+          length2 > 0.0 ? std::clamp((v.uv - from.uv).dot(chord) / length2, 0.0, 1.0) : 0.0;
+      const double off_x = (from.x + w * (to.x - from.x) - v.x).norm();
+      if ((from.uv + w * chord - v.uv).norm() <= near && off_x <= (to.x - from.x).norm())
+        return true;
+    }
+    return false;
+  });
+}
+
 }  // namespace
+
+Finding check_once(const Subject& s) {
+  const auto& curves = s.trial.result.curves;
+  for (std::size_t i = 0; i < curves.size(); ++i) {
+    for (std::size_t j = 0; j < curves.size() && !late(s); ++j) {
+      const Curve &a = curves[i], &b = curves[j];
+      const bool alike = of_one_sheet(a) && of_one_sheet(b) && a.kind == b.kind &&
+                         a.level == b.level && a.family_id == b.family_id && a.parity == b.parity;
+      // What is no longer than the tolerance may be a piece between two gaps.
+      if (i == j || !alike || a.vertices.size() < 2 || !(b.length > 10.0 * s.trial.chord()))
+        continue;
+      if (lies_on(b, a, s.trial.chord()))
+        return name_of(s.trial, j) + ": once more " + name_of(s.trial, i);
+    }
+  }
+  return std::nullopt;
+}
 
 Finding check_vertices(const Subject& s) {
   const auto& curves = s.trial.result.curves;
