@@ -166,8 +166,9 @@ def main():
     baseline = read_table(options.baseline) if options.baseline.exists() else {}
     if options.write:
         merged = {**baseline, **measured} if options.subjects else measured
+        said = remarks(options.programs)  # before this changes a file of the commit
         with open(options.baseline, "w") as file:
-            write_table(merged, remarks(options.programs), file)
+            write_table(merged, said, file)
         return 0
     if not baseline:
         raise SystemExit(f"counts.py: no baseline in {options.baseline}")
